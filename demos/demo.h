@@ -1,0 +1,41 @@
+#pragma once
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "supple/render/frame_view.h"
+#include "supple/world/world.h"
+
+namespace supple::demos {
+
+/// A running demo or scene: a world, what is done to it over time, and how it is shown.
+class Show {
+public:
+    virtual ~Show() = default;
+    virtual World& world() = 0;
+    virtual void before_step() {}                    ///< scripted touch; simulated time is world().time_s()
+    virtual void decorate(FrameView& view) { (void)view; }  ///< camera, caption, colour range, arrows; surfaces are already there
+    virtual double duration_s() const { return 10; } ///< how long `record` runs by default
+};
+
+/// Settings that the command line overrides before the world is built.
+struct ShowOptions {
+    int threads = 0;
+};
+
+/// A demo. Each lives in one file of demos/ and registers itself with a `const RegisterDemo`.
+struct Demo {
+    std::string name;
+    std::string summary;  ///< one line for `supple list`
+    std::function<std::unique_ptr<Show>(const ShowOptions&)> make;
+};
+
+struct RegisterDemo {
+    explicit RegisterDemo(Demo demo);
+};
+
+const std::vector<Demo>& all_demos();  ///< sorted by name
+
+}  // namespace supple::demos

@@ -1,0 +1,29 @@
+#pragma once
+#include <span>
+#include <vector>
+
+#include "supple/material/material.h"
+#include "supple/world/body_template.h"
+
+namespace supple {
+
+/// Elastic state of a body in a configuration that the caller gives; no world, no history, float64.
+struct Evaluation {
+    std::vector<Vec3> forces_n;             ///< internal force per vertex, towards rest: -dW/dx
+    double energy_j = 0;
+    std::vector<Voigt> element_stress_pa;   ///< Cauchy
+    std::vector<Voigt> vertex_stress_pa;    ///< volume-weighted mean of the elements' tensors
+};
+
+/// @param positions_m  one per vertex of the mesh
+/// @error Error(invalid_argument) on a wrong count or a non-finite position
+Evaluation evaluate(const BodyTemplate& shape, const Material& material, std::span<const Vec3> positions_m);
+
+/// df = (df/dx) d, with the rotations held (warped tangent, R K R^T) [N].
+std::vector<Vec3> force_differential(const BodyTemplate& shape, const Material& material,
+                                     std::span<const Vec3> positions_m, std::span<const Vec3> direction_m);
+
+/// von Mises stress sqrt(3/2 s:s) of a Cauchy tensor [Pa].
+double von_mises(const Voigt& cauchy);
+
+}  // namespace supple

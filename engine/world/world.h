@@ -1,0 +1,159 @@
+#pragma once
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "supple/base/error.h"
+#include "supple/base/id.h"
+#include "supple/base/log.h"
+#include "supple/material/material.h"
+#include "supple/world/body_template.h"
+#include "supple/world/loads.h"
+#include "supple/world/step_report.h"
+
+namespace supple {
+
+enum class Precision {
+    single,   ///< float32 matrix and CG vectors, float64 forces, positions, dot products and residual
+    double_,  ///< everything float64
+};
+
+enum class LineariseAt {
+    prediction,  ///< x + h v: ten times closer to the converged step at the same cost
+    current,     ///< x
+};
+
+enum class PreconditionerKind { automatic, block_jacobi };
+
+struct SolverDef {
+    int newton_iterations = 1;             ///< 1..100 linear solves per step
+    double newton_tolerance = 0;           ///< stop when the residual has fallen to this part of the step's first, [0, 1); 0 = always all iterations
+    double cg_relative_tolerance = 1e-5;   ///< on the true float64 residual, (0, 1)
+    int cg_max_iterations = 2000;          ///< 1..1e6, per linear solve
+    PreconditionerKind preconditioner = PreconditionerKind::automatic;
+    Precision precision = Precision::single;
+    LineariseAt linearise_at = LineariseAt::prediction;
+    double rayleigh_mass_1_s = 0;          ///< alpha of C = alpha M + beta K, [0, 1e6]
+    double rayleigh_stiffness_s = 0;       ///< beta, [0, 1e3]
+};
+
+struct WorldDef {
+    Vec3 gravity_m_s2 = Vec3(0, -9.81, 0);
+    double time_step_s = 1.0 / 120;   ///< (0, 1]
+    int threads = 0;                  ///< 0 = all cores; at most 256
+    int max_catch_up_steps = 4;       ///< advance() does at most so many steps per call, 1..1000
+    bool stress_each_step = false;    ///< compute stress inside step() (Stage::stress); otherwise on the first request after it
+    SolverDef solver;
+    LogSink log;
+};
+
+struct BodyDef {
+    std::string name;                                  ///< for messages; "body <index>" if empty
+    std::shared_ptr<const BodyTemplate> shape;         ///< required
+    Material material = Corotational{};
+    double density_kg_m3 = 1000;                       ///< > 0
+    std::vector<double> young_pa_per_element;          ///< empty, or one per element: overrides material
+    std::vector<double> poisson_per_element;           ///< empty, or one per element: overrides material
+    Vec3 translation_m = Vec3::Zero();                 ///< of the start position; the rest shape stays where the mesh is
+    Vec3 velocity_m_s = Vec3::Zero();                  ///< at the start
+};
+
+struct Energy {
+    double kinetic_j = 0, elastic_j = 0, gravity_j = 0;  ///< gravity: -sum m g.x, zero at the origin
+    double total_j() const { return kinetic_j + elastic_j + gravity_j; }
+};
+
+struct PickHit {
+    BodyId body;
+    std::int32_t triangle = -1, element = -1;  ///< boundary triangle and the element it bounds
+    std::array<double, 3> barycentric{};
+    Vec3 position_m = Vec3::Zero();
+    double distance = 0;                       ///< in lengths of the ray's direction
+};
+
+/// An implicit, critically damped spring between a patch of the surface and a target point.
+struct DragDef {
+    double radius_m = 0;        ///< surface vertices within this distance (rest shape) of the point share the force; 0 = its triangle alone
+    double stiffness_n_m = 0;   ///< 0 = from the local effective mass of the patch (inertia and elasticity over one step)
+    double max_force_n = 0;     ///< 0 = no cap; the force never exceeds it
+};
+
+struct DragState {
+    Vec3 anchor_m = Vec3::Zero();  ///< where the patch is
+    Vec3 target_m = Vec3::Zero();
+    Vec3 force_n = Vec3::Zero();   ///< on the body, in the last step
+};
+
+/// Soft bodies under implicit time integration with a fixed step. Independent of every other World; one thread at a time may use it.
+/// Spans stay valid until the next call that is not const. All vertex and element data are in the order of the mesh.
+class World {
+public:
+    /// @error Error(invalid_argument) naming the field, its legal range and the fix
+    explicit World(const WorldDef& def = {});
+    ~World();
+    World(World&&) noexcept;
+    World& operator=(World&&) noexcept;
+
+    // -- bodies: between steps; may throw and allocate ------------------------------------------------
+    BodyId add_body(const BodyDef& def);
+    void remove_body(BodyId body);
+    std::vector<BodyId> bodies() const;                  ///< living bodies, in the order they were added
+    const BodyTemplate& shape(BodyId body) const;
+    const std::string& name(BodyId body) const;
+
+    /// Holds the selected vertices where they are now (in the given axes). Returns how many; nothing selected is an Error.
+    std::size_t fix(BodyId body, const Selection& where, Axes axes = {});
+    void release(BodyId body, const Selection& where);   ///< undoes fix() and prescribe() for these vertices
+    std::size_t prescribe(BodyId body, const Motion& motion);
+    void add_load(BodyId body, const Load& load);
+    void clear_loads(BodyId body);
+    void set_state(BodyId body, std::span<const Vec3> positions_m, std::span<const Vec3> velocities_m_s);
+
+    // -- time -----------------------------------------------------------------------------------------
+    StepReport step() noexcept;                          ///< one fixed step
+    AdvanceReport advance(double real_seconds) noexcept; ///< as many fixed steps as real time asks for
+    double time_s() const;
+    std::uint64_t step_count() const;
+    const WorldDef& def() const;
+    void set_gravity(const Vec3& gravity_m_s2);
+
+    // -- results --------------------------------------------------------------------------------------
+    std::span<const Vec3> positions(BodyId body) const;           ///< [m]
+    std::span<const Vec3> previous_positions(BodyId body) const;  ///< before the last step: for interpolation [m]
+    std::span<const Vec3> velocities(BodyId body) const;          ///< [m/s]
+    std::span<const double> masses(BodyId body) const;            ///< lumped [kg]
+    std::span<const double> von_mises(BodyId body) const;         ///< per vertex, of the volume-weighted Cauchy tensor [Pa]
+    std::span<const Voigt> cauchy_stress(BodyId body) const;      ///< per vertex [Pa]
+    std::span<const double> element_von_mises(BodyId body) const; ///< per element [Pa]
+    std::span<const Voigt> element_cauchy_stress(BodyId body) const;
+    Energy energy() const;
+    Vec3 reaction_n(BodyId body) const;      ///< force of the supports and prescribed motions on the body in the last step [N]
+    Vec3 reaction_n() const;                 ///< the same, all bodies
+    std::span<const Vec3> reactions(BodyId body) const;  ///< per vertex, zero where free [N]
+    bool is_frozen(BodyId body) const;
+    void unfreeze(BodyId body);              ///< lets a contained body go on from where it stands, at rest
+    std::uint64_t hash() const;              ///< of the whole state: equal hashes, equal bits
+
+    // -- touch ----------------------------------------------------------------------------------------
+    std::optional<PickHit> pick(const struct Ray& ray) const;    ///< first surface point hit, any body
+    DragId begin_drag(const PickHit& hit, const DragDef& def = {});
+    void move_drag(DragId drag, const Vec3& target_m);
+    DragState drag_state(DragId drag) const;
+    void end_drag(DragId drag);
+
+    // -- history --------------------------------------------------------------------------------------
+    std::vector<std::byte> save() const;                 ///< everything that moves, warm starts included
+    /// Continues bit for bit, also in a fresh process, in a world built by the same calls.
+    /// @error Error(corrupt_snapshot) saying what differs; the world is then unchanged
+    void restore(std::span<const std::byte> snapshot);
+    void reset();                                        ///< every body back to its start, time to 0, drags ended
+
+private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace supple
