@@ -1,4 +1,6 @@
 #pragma once
+#include <array>
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
@@ -13,24 +15,29 @@ enum class Look { tissue, rubber, gel, metal };
 
 /// One triangle surface of a frame. Spans are borrowed until draw() returns.
 struct SurfaceView {
-    std::span<const Vec3> positions;                     ///< per vertex [m]; vertices of no triangle are skipped
+    std::span<const Vec3> positions;                     ///< per vertex [m], finite; vertices of no triangle are skipped
     std::span<const Triangle> triangles;                 ///< outward counter-clockwise
-    std::span<const double> scalar;                      ///< per vertex, e.g. von Mises [Pa]; empty = plain material
+    std::span<const double> scalar;                      ///< per vertex, e.g. von Mises [Pa]; empty = plain material; NaN is drawn grey
     std::span<const std::array<std::int32_t, 2>> edges;  ///< wireframe lines; empty = none
-    std::span<const Vec3> rest_positions;                ///< drawn as a faint outline (with edges); empty = none
+    std::span<const Vec3> rest_positions;                ///< drawn as a faint outline (contour and crisp edges); empty = none
     Look look = Look::tissue;
-    double crease_angle_deg = 40;                        ///< normals are smooth across edges below it, crisp above
+    double crease_angle_deg = 40;                        ///< 0..180; normals are smooth across edges below it, crisp above
+
+    /// Rest shape, per vertex, not drawn: fixes the grain of the tissue to the material and says which edges are crisp. Empty: no grain,
+    /// and the creases are those of the first positions that came with these triangles (they do not flicker while the body bends).
+    std::span<const Vec3> reference_positions;
+    std::optional<std::array<float, 3>> color;           ///< sRGB 0..1, instead of the look's own colour
 };
 
 struct ArrowView {   ///< a force
-    Vec3 from_m, to_m;
-    std::array<float, 3> color{1.0f, 0.85f, 0.2f};
+    Vec3 from_m, to_m;                               ///< an arrow of no length is not drawn
+    std::array<float, 3> color{1.0f, 0.85f, 0.2f};   ///< sRGB 0..1
 };
 
 struct MarkerView {  ///< a tool or a picking cursor
     Vec3 centre_m;
     double radius_m;
-    std::array<float, 3> color{0.95f, 0.95f, 1.0f};
+    std::array<float, 3> color{0.95f, 0.95f, 1.0f};  ///< sRGB 0..1
 };
 
 struct ColorScale {
@@ -52,10 +59,12 @@ struct FrameView {
     std::vector<SurfaceView> surfaces;
     std::vector<ArrowView> arrows;
     std::vector<MarkerView> markers;
-    std::optional<ColorScale> scale;      ///< legend, if any surface has a scalar
+    std::optional<ColorScale> scale;      ///< needed if any surface has a scalar; its legend is drawn then
     std::optional<double> ground_height_m;  ///< along `camera.up`; catches the shadow
     Camera camera;
-    std::string caption;                  ///< large, lower left; empty = none
+    std::optional<Vec3> key_light;        ///< direction towards the key light; empty = over the left shoulder of the camera.
+                                          ///< Set it where the camera moves, so that the shadows do not.
+    std::string caption;                  ///< large, lower left, UTF-8, wrapped; empty = none
     std::string hud;                      ///< one small line, top left; empty = none
 };
 

@@ -31,9 +31,9 @@ struct Timeline {
 struct Motion {
     Selection where;
     Axes axes;                       ///< the coordinates that follow; the others stay free
-    Timeline<Vec3> displacement_m;   ///< from the rest position
+    Timeline<Vec3> displacement_m;   ///< from the start position (rest position + BodyDef::translation_m)
     Timeline<Vec3> velocity_m_s;
-    Timeline<Mat34> affine;          ///< position = A X + t of the rest position X
+    Timeline<Mat34> affine;          ///< position = A X + t of the start position X
 };
 
 enum class LoadKind {

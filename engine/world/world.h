@@ -138,7 +138,7 @@ public:
     std::uint64_t hash() const;              ///< of the whole state: equal hashes, equal bits
 
     // -- touch ----------------------------------------------------------------------------------------
-    std::optional<PickHit> pick(const struct Ray& ray) const;    ///< first surface point hit, any body
+    std::optional<PickHit> pick(const Ray& ray) const;    ///< first surface point hit, any body
     DragId begin_drag(const PickHit& hit, const DragDef& def = {});
     void move_drag(DragId drag, const Vec3& target_m);
     DragState drag_state(DragId drag) const;
@@ -151,8 +151,9 @@ public:
     void restore(std::span<const std::byte> snapshot);
     void reset();                                        ///< every body back to its start, time to 0, drags ended
 
+    struct Impl;  ///< private to world/
+
 private:
-    struct Impl;
     std::unique_ptr<Impl> impl_;
 };
 

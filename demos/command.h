@@ -1,0 +1,17 @@
+#pragma once
+#include <CLI/CLI.hpp>
+
+namespace supple::demos {
+
+/// Exit statuses of the program.
+inline constexpr int kAllWell = 0, kRunFailed = 1, kBadInput = 2;
+
+// Each declares one command with its options. Its callback sets `status`; bad input leaves as supple::Error.
+void add_list_command(CLI::App& app, int& status);
+void add_run_command(CLI::App& app, int& status);
+void add_record_command(CLI::App& app, int& status);
+void add_bench_command(CLI::App& app, int& status);
+void add_eval_command(CLI::App& app, int& status);
+void add_mesh_command(CLI::App& app, int& status);
+
+}  // namespace supple::demos

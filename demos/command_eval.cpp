@@ -1,0 +1,79 @@
+#include <cstdio>
+#include <memory>
+
+#include "command.h"
+#include "json_text.h"
+#include "output_files.h"
+#include "stress_options.h"
+#include "supple/base/error.h"
+#include "supple/io/mesh_file.h"
+#include "supple/io/scene.h"
+#include "supple/io/text_files.h"
+#include "supple/world/evaluate.h"
+
+namespace supple::demos {
+namespace {
+
+struct EvalOptions {
+    std::string mesh, material, positions, forces, direction, dforces;
+    std::string tangent = "warped";
+    double scale = 1;
+    StressOptions stress;
+};
+
+/// Read as part of a scene with a box, so that keys, defaults and messages are those of scene files.
+Material parse_material(const std::string& text) {
+    const std::string scene =
+        R"({"supple_scene": 1, "bodies": [{"box": {"min_m": [0, 0, 0], "max_m": [1, 1, 1], "cells": [1, 1, 1]}, "material": )" + text + "}]}";
+    const BodyDef body = io::parse_scene(scene, ".", "--material").bodies.at(0).def;
+    if (!body.young_pa_per_element.empty() || !body.poisson_per_element.empty())
+        throw Error(ErrorCode::unsupported, "--material", "eval takes one young_pa and one poisson for all elements");
+    return body.material;
+}
+
+int eval(const EvalOptions& o) {
+    if (o.tangent != "warped")
+        throw Error(ErrorCode::unsupported, "--tangent " + o.tangent, "this version offers the warped tangent R K R^T only");
+    o.stress.check();
+    require_writable(o.forces);
+    require_writable(o.dforces);
+    const Material material = parse_material(o.material);
+    const auto shape = BodyTemplate::build(io::read_mesh(o.mesh), o.scale);
+    for (const std::string& sentence : shape->report().sentences()) std::fprintf(stderr, "supple: %s: %s\n", o.mesh.c_str(), sentence.c_str());
+    const std::size_t vertices = shape->mesh().vertices.size();
+    const std::vector<Vec3> positions = io::read_vectors(o.positions, vertices);
+
+    const Evaluation result = evaluate(*shape, material, positions);
+    if (!o.forces.empty()) io::write_vectors(o.forces, result.forces_n);
+    if (!o.direction.empty())
+        io::write_vectors(o.dforces, force_differential(*shape, material, positions, io::read_vectors(o.direction, vertices)));
+    if (!o.stress.file.empty()) io::write_stress(o.stress.file, o.stress.at_vertices() ? result.vertex_stress_pa : result.element_stress_pa);
+    std::printf("%s\n", JsonObject()
+                            .add("energy_j", json(result.energy_j))
+                            .add("vertices", json(vertices))
+                            .add("elements", json(shape->mesh().element_count()))
+                            .line()
+                            .c_str());
+    return kAllWell;
+}
+
+}  // namespace
+
+void add_eval_command(CLI::App& app, int& status) {
+    auto o = std::make_shared<EvalOptions>();
+    CLI::App* command = app.add_subcommand("eval", "forces, energy and stress of a given configuration, in double precision");
+    command->add_option("--mesh", o->mesh, "volume mesh in its rest shape")->required();
+    command->add_option("--scale", o->scale, "length multiplier of the mesh (not of the positions) [1]")->check(CLI::PositiveNumber);
+    command->add_option("--material", o->material, "material as in a scene file, e.g. '{\"law\": \"corotational\", \"young_pa\": 1e5}'")->required();
+    command->add_option("--positions", o->positions, "deformed positions, x y z a line [m]")->required();
+    command->add_option("--forces", o->forces, "write the internal force per vertex [N], towards rest");
+    CLI::Option* direction = command->add_option("--direction", o->direction, "displacement per vertex [m] for --dforces");
+    CLI::Option* dforces = command->add_option("--dforces", o->dforces, "write the force differential (df/dx) d [N]");
+    direction->needs(dforces);
+    dforces->needs(direction);
+    command->add_option("--tangent", o->tangent, "tangent of --dforces: warped")->check(CLI::IsMember({"warped", "exact"}))->needs(dforces);
+    o->stress.add(*command);
+    command->callback([o, &status] { status = eval(*o); });
+}
+
+}  // namespace supple::demos

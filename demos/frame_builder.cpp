@@ -1,0 +1,84 @@
+#include "frame_builder.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "framing.h"
+#include "supple/io/report.h"
+
+namespace supple::demos {
+namespace {
+
+double round_up(double value) {
+    const double decade = std::pow(10.0, std::floor(std::log10(value)));
+    for (const double step : {1.0, 2.0, 5.0})
+        if (value <= step * decade) return step * decade;
+    return 10 * decade;
+}
+
+/// Room below the bodies for what hangs and swings.
+double ground_below(const World& world) {
+    const SceneBounds bounds = bounds_of(world);
+    const Vec3 up = up_direction(world);
+    const double low = std::min(up.dot(bounds.min_m), up.dot(bounds.max_m));
+    return low - 0.45 * (bounds.max_m - bounds.min_m).norm();
+}
+
+}  // namespace
+
+double StressRange::update(std::vector<double> stresses_pa, double elapsed_s) {
+    constexpr double kPatience_s = 2.0;
+    const double wanted = std::max(io::percentile(std::move(stresses_pa), 0.99), 1e-6);
+    const double rounded = round_up(wanted);
+    if (rounded > high_pa_) {
+        high_pa_ = rounded;
+        too_high_s_ = 0;
+    } else if (wanted < 0.3 * high_pa_) {
+        too_high_s_ += elapsed_s;
+        if (too_high_s_ > kPatience_s) {
+            high_pa_ = rounded;
+            too_high_s_ = 0;
+        }
+    } else {
+        too_high_s_ = 0;
+    }
+    return high_pa_;
+}
+
+FrameBuilder::FrameBuilder(Show& show, FrameOptions options)
+    : show_(&show), options_(std::move(options)), ground_m_(ground_below(show.world())) {}
+
+const FrameView& FrameBuilder::build(double alpha, const std::string& hud, double elapsed_s) {
+    const World& world = show_->world();
+    const std::vector<BodyId> bodies = world.bodies();
+    view_ = FrameView{};
+    positions_.resize(bodies.size());
+    std::vector<double> stresses;
+    for (std::size_t b = 0; b < bodies.size(); ++b) {
+        const auto now = world.positions(bodies[b]), before = world.previous_positions(bodies[b]);
+        positions_[b].resize(now.size());
+        for (std::size_t v = 0; v < now.size(); ++v) positions_[b][v] = (1 - alpha) * before[v] + alpha * now[v];
+
+        const BoundarySurface& boundary = world.shape(bodies[b]).boundary();
+        SurfaceView surface;
+        surface.positions = positions_[b];
+        surface.triangles = boundary.triangles;
+        if (options_.wireframe) surface.edges = boundary.edges;
+        if (options_.stress) {
+            surface.scalar = world.von_mises(bodies[b]);
+            stresses.insert(stresses.end(), surface.scalar.begin(), surface.scalar.end());
+        }
+        view_.surfaces.push_back(surface);
+    }
+    if (options_.stress && !stresses.empty()) {
+        view_.scale = ColorScale{};
+        view_.scale->high = range_.update(std::move(stresses), elapsed_s);
+    }
+    view_.ground_height_m = ground_m_;
+    view_.hud = hud;
+    show_->decorate(view_);
+    if (view_.scale) view_.scale->map = options_.map;
+    return view_;
+}
+
+}  // namespace supple::demos

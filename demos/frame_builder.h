@@ -1,0 +1,46 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "demo.h"
+#include "supple/render/frame_view.h"
+
+namespace supple::demos {
+
+struct FrameOptions {
+    bool stress = true;        ///< colour by von Mises stress
+    bool wireframe = false;
+    std::string map = "viridis";
+};
+
+/// The upper end of the colour scale: the stress that 99 % of the vertices stay below, rounded up to 1, 2 or 5 times a power of ten,
+/// raised at once and lowered only when it has been far too high for a while. So the legend does not flicker.
+class StressRange {
+public:
+    double update(std::vector<double> stresses_pa, double elapsed_s);
+
+private:
+    double high_pa_ = 0;
+    double too_high_s_ = 0;
+};
+
+/// Makes the picture of a show at a moment between its last two steps. The view borrows from the builder and the world.
+class FrameBuilder {
+public:
+    FrameBuilder(Show& show, FrameOptions options);
+
+    /// @param alpha        0 = before the last step, 1 = after it
+    /// @param hud          the line at the top left
+    /// @param elapsed_s    simulated time since the last picture
+    const FrameView& build(double alpha, const std::string& hud, double elapsed_s);
+
+private:
+    Show* show_;
+    FrameOptions options_;
+    double ground_m_;
+    StressRange range_;
+    FrameView view_;
+    std::vector<std::vector<Vec3>> positions_;
+};
+
+}  // namespace supple::demos

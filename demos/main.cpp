@@ -1,0 +1,43 @@
+// The program `supple`: one command per file command_*.cpp.
+#include <cstdio>
+#include <exception>
+
+#include "command.h"
+#include "supple/base/error.h"
+
+namespace {
+
+/// A machine that cannot draw or encode is not the user's mistake.
+int status_of(const supple::Error& error) {
+    using enum supple::ErrorCode;
+    return error.code() == no_display || error.code() == external_tool ? supple::demos::kRunFailed : supple::demos::kBadInput;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    using namespace supple::demos;
+    CLI::App app{"Supple: real-time soft bodies."};
+    app.name("supple");
+    app.set_version_flag("--version", std::string(SUPPLE_VERSION));
+    app.require_subcommand(1);
+    int status = kAllWell;
+    add_list_command(app, status);
+    add_run_command(app, status);
+    add_record_command(app, status);
+    add_bench_command(app, status);
+    add_eval_command(app, status);
+    add_mesh_command(app, status);
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        return app.exit(error) == 0 ? kAllWell : kBadInput;  // --help and --version are "errors" of status 0
+    } catch (const supple::Error& error) {
+        std::fprintf(stderr, "supple: %s\n", error.what());
+        return status_of(error);
+    } catch (const std::exception& error) {
+        std::fprintf(stderr, "supple: %s\n", error.what());
+        return kRunFailed;
+    }
+    return status;
+}

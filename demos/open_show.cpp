@@ -1,0 +1,77 @@
+#include "open_show.h"
+
+#include <cmath>
+#include <cstdlib>
+#include <vector>
+
+#include "framing.h"
+#include "supple/base/error.h"
+#include "supple/io/scene.h"
+
+namespace supple::demos {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A scene file as a show: nobody touches it; the camera is the file's, or frames all bodies.
+class SceneShow : public Show {
+public:
+    SceneShow(const io::Scene& scene, std::string name) : world_(io::build_world(scene)), name_(std::move(name)) {
+        if (scene.camera) {
+            camera_.eye_m = scene.camera->eye_m;
+            camera_.target_m = scene.camera->target_m;
+            camera_.fov_deg = scene.camera->fov_deg;
+            camera_.up = up_direction(world_);
+        } else {
+            camera_ = frame_bodies(world_);
+        }
+    }
+
+    World& world() override { return world_; }
+    void decorate(FrameView& view) override {
+        view.camera = camera_;
+        if (world_.time_s() < 3) view.caption = name_;
+    }
+    double duration_s() const override { return 300 * world_.def().time_step_s; }
+
+private:
+    World world_;
+    std::string name_;
+    Camera camera_;
+};
+
+std::string demo_names() {
+    std::string names;
+    for (const Demo& demo : all_demos()) names += (names.empty() ? "" : ", ") + demo.name;
+    return names;
+}
+
+}  // namespace
+
+OpenedShow open_show(const std::string& scene, const ShowOptions& options) {
+    for (const Demo& demo : all_demos())
+        if (demo.name == scene) return {demo.name, true, demo.make(options)};
+    if (!fs::exists(scene))
+        throw Error(ErrorCode::invalid_argument, scene, "is neither a scene file nor a demo; the demos are: " + demo_names());
+    io::Scene read = io::read_scene(scene);
+    if (options.threads > 0) read.world.threads = options.threads;
+    const std::string name = fs::path(scene).stem().string();
+    return {name, false, std::make_unique<SceneShow>(read, name)};
+}
+
+fs::path find_asset(const std::string& name) {
+    std::vector<fs::path> folders;
+    if (const char* chosen = std::getenv("SUPPLE_ASSETS")) folders.emplace_back(chosen);
+    std::error_code ignored;
+    const fs::path program = fs::read_symlink("/proc/self/exe", ignored);
+    if (!program.empty()) folders.push_back(program.parent_path() / SUPPLE_ASSETS_INSTALLED);
+    folders.emplace_back(SUPPLE_ASSETS_SOURCE);
+    std::string looked;
+    for (const fs::path& folder : folders) {
+        if (fs::exists(folder / name)) return folder / name;
+        looked += (looked.empty() ? "" : ", ") + folder.lexically_normal().string();
+    }
+    throw Error(ErrorCode::file_unreadable, name, "is in none of: " + looked + "; set SUPPLE_ASSETS to the folder that holds it");
+}
+
+}  // namespace supple::demos

@@ -1,0 +1,24 @@
+#pragma once
+#include <chrono>
+
+namespace supple {
+
+/// Milliseconds on the monotonic clock since construction.
+class Stopwatch {
+public:
+    double ms() const { return std::chrono::duration<double, std::milli>(Clock::now() - start_).count(); }
+    /// Milliseconds since construction or the last lap.
+    double lap_ms() {
+        const Clock::time_point now = Clock::now();
+        const double ms = std::chrono::duration<double, std::milli>(now - lap_).count();
+        lap_ = now;
+        return ms;
+    }
+
+private:
+    using Clock = std::chrono::steady_clock;
+    Clock::time_point start_ = Clock::now();
+    Clock::time_point lap_ = start_;
+};
+
+}  // namespace supple

@@ -1,0 +1,385 @@
+#include "supple/bindings/c/supple.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstring>
+#include <memory>
+#include <new>
+#include <span>
+#include <string>
+#include <utility>
+
+#include "supple/world/world.h"
+
+#ifndef SUPPLE_VERSION
+#error "SUPPLE_VERSION comes from the build"
+#endif
+
+struct SuppleWorld {
+    supple::World world;
+};
+
+namespace {
+
+using supple::BodyId;
+using supple::Error;
+using supple::ErrorCode;
+using supple::Vec3;
+
+// Fixed room for the text: reporting an error must not fail for want of memory.
+thread_local char last_error[1024] = "";
+
+void remember(const char* text) noexcept {
+    std::strncpy(last_error, text, sizeof last_error - 1);
+    last_error[sizeof last_error - 1] = '\0';
+}
+
+SuppleStatus fail(SuppleStatus status, const char* text) noexcept {
+    remember(text);
+    return status;
+}
+
+/// Runs `body`, turning every exception into a status and a text.
+template <class Body>
+SuppleStatus guarded(Body&& body) noexcept {
+    try {
+        std::forward<Body>(body)();
+        return SUPPLE_OK;
+    } catch (const Error& error) {
+        return fail(static_cast<SuppleStatus>(error.code()), error.what());
+    } catch (const std::bad_alloc&) {
+        return fail(SUPPLE_OUT_OF_MEMORY, "out of memory");
+    } catch (const std::exception& error) {
+        return fail(SUPPLE_INTERNAL_ERROR, error.what());
+    } catch (...) {
+        return fail(SUPPLE_INTERNAL_ERROR, "an exception of unknown type");
+    }
+}
+
+[[noreturn]] void refuse(const std::string& where, const std::string& message) {
+    throw Error(ErrorCode::invalid_argument, where, message);
+}
+
+template <class T>
+T& required(T* pointer, const char* where, const char* what) {
+    if (pointer == nullptr) refuse(where, std::string(what) + " is a null pointer");
+    return *pointer;
+}
+
+/// The caller's struct, widened or narrowed to ours. Fields that we do not know must be zero: ignoring them would be silent.
+template <class Def>
+Def read_def(const Def* def, const Def& defaults, std::size_t first_size, const char* where) {
+    const std::uint64_t size = required(def, where, "the definition").struct_size;
+    if (size < first_size || size > 65536)
+        refuse(std::string(where) + ".struct_size", std::to_string(size) + " is not a size of this struct (" + std::to_string(sizeof(Def)) +
+                                                        " here); fill it with its _default() function first");
+    Def copy = defaults;
+    std::memcpy(&copy, def, std::min<std::size_t>(size, sizeof(Def)));
+    const auto* bytes = reinterpret_cast<const unsigned char*>(def);
+    if (std::any_of(bytes + std::min<std::size_t>(size, sizeof(Def)), bytes + size, [](unsigned char b) { return b != 0; }))
+        refuse(where, "a field that this version of the library does not know is set; use a newer library");
+    return copy;
+}
+
+/// Writes as much of `value` as the caller's struct has room for; struct_size stays the caller's.
+template <class Struct>
+void write_struct(Struct* out, std::size_t size, std::size_t first_size, Struct value, const char* where) {
+    required(out, where, "the struct");
+    if (size < first_size)
+        refuse(where, "struct_size " + std::to_string(size) + " is below " + std::to_string(first_size) + ", that of the first version");
+    value.struct_size = size;
+    if (size > sizeof(Struct)) std::memset(reinterpret_cast<unsigned char*>(out) + sizeof(Struct), 0, size - sizeof(Struct));
+    std::memcpy(out, &value, std::min(size, sizeof(Struct)));
+}
+
+// Sizes of the first versions. They never change: a later field comes after these.
+constexpr std::size_t kWorldDefFirst = 88, kBodyDefFirst = 128, kStepReportFirst = 64;
+static_assert(sizeof(SuppleWorldDef) == kWorldDefFirst && sizeof(SuppleBodyDef) == kBodyDefFirst &&
+              sizeof(SuppleStepReport) == kStepReportFirst);
+
+Vec3 vec3(const double* v) { return {v[0], v[1], v[2]}; }
+
+BodyId id(SuppleBodyId body) {
+    BodyId result;
+    result.index = body.index;
+    result.generation = body.generation;
+    return result;
+}
+
+SuppleWorldDef default_world_def() {
+    const supple::WorldDef d;
+    SuppleWorldDef c{};
+    c.struct_size = sizeof c;
+    for (int i = 0; i < 3; ++i) c.gravity_m_s2[i] = d.gravity_m_s2[i];
+    c.time_step_s = d.time_step_s;
+    c.threads = d.threads;
+    c.max_catch_up_steps = d.max_catch_up_steps;
+    c.newton_iterations = d.solver.newton_iterations;
+    c.cg_max_iterations = d.solver.cg_max_iterations;
+    c.cg_relative_tolerance = d.solver.cg_relative_tolerance;
+    c.precision = d.solver.precision == supple::Precision::double_ ? SUPPLE_PRECISION_DOUBLE : SUPPLE_PRECISION_SINGLE;
+    c.linearise_at = d.solver.linearise_at == supple::LineariseAt::current ? SUPPLE_LINEARISE_AT_CURRENT : SUPPLE_LINEARISE_AT_PREDICTION;
+    c.rayleigh_mass_1_s = d.solver.rayleigh_mass_1_s;
+    c.rayleigh_stiffness_s = d.solver.rayleigh_stiffness_s;
+    return c;
+}
+
+supple::WorldDef world_def(const SuppleWorldDef& c) {
+    if (c.precision != SUPPLE_PRECISION_SINGLE && c.precision != SUPPLE_PRECISION_DOUBLE)
+        refuse("SuppleWorldDef.precision", std::to_string(c.precision) + " is not a SupplePrecision (0 or 1)");
+    if (c.linearise_at != SUPPLE_LINEARISE_AT_PREDICTION && c.linearise_at != SUPPLE_LINEARISE_AT_CURRENT)
+        refuse("SuppleWorldDef.linearise_at", std::to_string(c.linearise_at) + " is not a SuppleLineariseAt (0 or 1)");
+    supple::WorldDef d;
+    d.gravity_m_s2 = vec3(c.gravity_m_s2);
+    d.time_step_s = c.time_step_s;
+    d.threads = c.threads;
+    d.max_catch_up_steps = c.max_catch_up_steps;
+    d.solver.newton_iterations = c.newton_iterations;
+    d.solver.cg_max_iterations = c.cg_max_iterations;
+    d.solver.cg_relative_tolerance = c.cg_relative_tolerance;
+    d.solver.precision = c.precision == SUPPLE_PRECISION_DOUBLE ? supple::Precision::double_ : supple::Precision::single;
+    d.solver.linearise_at =
+        c.linearise_at == SUPPLE_LINEARISE_AT_CURRENT ? supple::LineariseAt::current : supple::LineariseAt::prediction;
+    d.solver.rayleigh_mass_1_s = c.rayleigh_mass_1_s;
+    d.solver.rayleigh_stiffness_s = c.rayleigh_stiffness_s;
+    return d;
+}
+
+SuppleBodyDef default_body_def() {
+    const supple::BodyDef d;
+    const supple::Corotational law;
+    SuppleBodyDef c{};
+    c.struct_size = sizeof c;
+    c.law = SUPPLE_LAW_COROTATIONAL;
+    c.young_pa = law.young_pa;
+    c.poisson = law.poisson;
+    c.density_kg_m3 = d.density_kg_m3;
+    return c;
+}
+
+supple::VolumeMesh mesh_of(const SuppleBodyDef& c) {
+    constexpr std::uint64_t kMost = 1u << 30;  // indices are int32
+    if (c.vertex_count == 0 || c.vertex_count > kMost)
+        refuse("SuppleBodyDef.vertex_count", std::to_string(c.vertex_count) + " is outside [1, " + std::to_string(kMost) + "]");
+    if (c.tet_count == 0 || c.tet_count > kMost)
+        refuse("SuppleBodyDef.tet_count", std::to_string(c.tet_count) + " is outside [1, " + std::to_string(kMost) + "]");
+    required(c.vertices_m, "SuppleBodyDef.vertices_m", "the array");
+    required(c.tets, "SuppleBodyDef.tets", "the array");
+    supple::VolumeMesh mesh;
+    mesh.source = c.name != nullptr ? c.name : "SuppleBodyDef";
+    mesh.vertices.reserve(c.vertex_count);
+    for (std::uint64_t i = 0; i < c.vertex_count; ++i) mesh.vertices.push_back(vec3(c.vertices_m + 3 * i));
+    mesh.tets.reserve(c.tet_count);
+    for (std::uint64_t i = 0; i < c.tet_count; ++i) {
+        const std::int32_t* t = c.tets + 4 * i;
+        mesh.tets.push_back({t[0], t[1], t[2], t[3]});
+    }
+    return mesh;
+}
+
+supple::BodyDef body_def(const SuppleBodyDef& c) {
+    if (c.law != SUPPLE_LAW_COROTATIONAL) refuse("SuppleBodyDef.law", std::to_string(c.law) + " is not a SuppleLaw (0)");
+    if (c.reserved != 0) refuse("SuppleBodyDef.reserved", std::to_string(c.reserved) + " must be 0");
+    supple::BodyDef d;
+    if (c.name != nullptr) d.name = c.name;
+    supple::Corotational law;
+    law.young_pa = c.young_pa;
+    law.poisson = c.poisson;
+    d.material = law;
+    d.density_kg_m3 = c.density_kg_m3;
+    d.translation_m = vec3(c.translation_m);
+    d.velocity_m_s = vec3(c.velocity_m_s);
+    d.shape = supple::BodyTemplate::build(mesh_of(c));
+    return d;
+}
+
+void report_out(SuppleStepReport* out, const supple::StepReport& r, int steps, double alpha) {
+    if (out == nullptr) return;
+    SuppleStepReport c{};
+    c.step = r.step;
+    c.time_s = r.time_s;
+    c.flags = static_cast<std::uint32_t>(r.flags);
+    c.cg_iterations = r.cg_iterations;
+    c.newton_iterations = r.newton_iterations;
+    c.steps = steps;
+    c.step_ms = r.step_ms;
+    c.cg_relative_residual = r.cg_relative_residual;
+    c.alpha = alpha;
+    write_struct(out, static_cast<std::size_t>(out->struct_size), kStepReportFirst, c, "SuppleStepReport");
+}
+
+/// Refuses a report that cannot be filled before time moves on.
+void check_report(const SuppleStepReport* out) {
+    if (out != nullptr && out->struct_size < kStepReportFirst)
+        refuse("SuppleStepReport.struct_size",
+               std::to_string(out->struct_size) + " is too small; fill the struct with supple_step_report_default()");
+}
+
+void copy_out(std::span<const Vec3> values, double* out, std::size_t capacity, const char* where) {
+    required(out, where, "the buffer");
+    if (capacity < 3 * values.size())
+        refuse(where, "the buffer holds " + std::to_string(capacity) + " doubles; " + std::to_string(3 * values.size()) + " are needed");
+    for (const Vec3& v : values)
+        for (int i = 0; i < 3; ++i) *out++ = v[i];
+}
+
+using VectorResult = std::span<const Vec3> (supple::World::*)(BodyId) const;
+
+SuppleStatus copy_vectors(const SuppleWorld* world, SuppleBodyId body, VectorResult result, double* out, std::size_t capacity,
+                          const char* where) noexcept {
+    return guarded([&] { copy_out((required(world, where, "world").world.*result)(id(body)), out, capacity, where); });
+}
+
+const supple::StepFlag* find_flag(std::uint32_t bit) noexcept {
+    const auto* end = std::end(supple::kAllStepFlags);
+    const auto* found =
+        std::find_if(std::begin(supple::kAllStepFlags), end, [&](supple::StepFlag f) { return static_cast<std::uint32_t>(f) == bit; });
+    return found == end ? nullptr : found;
+}
+
+static_assert(SUPPLE_INVALID_ARGUMENT == int(ErrorCode::invalid_argument) && SUPPLE_STALE_ID == int(ErrorCode::stale_id) &&
+              SUPPLE_FILE_UNREADABLE == int(ErrorCode::file_unreadable) && SUPPLE_PARSE == int(ErrorCode::parse) &&
+              SUPPLE_UNSUPPORTED == int(ErrorCode::unsupported) && SUPPLE_SURFACE_MESH == int(ErrorCode::surface_mesh) &&
+              SUPPLE_CORRUPT_SNAPSHOT == int(ErrorCode::corrupt_snapshot) && SUPPLE_NO_DISPLAY == int(ErrorCode::no_display) &&
+              SUPPLE_EXTERNAL_TOOL == int(ErrorCode::external_tool));
+static_assert(SUPPLE_FLAG_ITERATION_CAP == int(supple::StepFlag::iteration_cap) &&
+              SUPPLE_FLAG_RESIDUAL_STALLED == int(supple::StepFlag::residual_stalled) &&
+              SUPPLE_FLAG_NON_FINITE == int(supple::StepFlag::non_finite) && SUPPLE_FLAG_FROZEN == int(supple::StepFlag::frozen) &&
+              SUPPLE_FLAG_NEWTON_CAP == int(supple::StepFlag::newton_cap));
+
+}  // namespace
+
+const char* supple_version(void) { return SUPPLE_VERSION; }
+
+const char* supple_last_error(void) { return last_error; }
+
+const char* supple_status_name(SuppleStatus status) {
+    switch (status) {
+        case SUPPLE_OK: return "ok";
+        case SUPPLE_OUT_OF_MEMORY: return "out_of_memory";
+        case SUPPLE_INTERNAL_ERROR: return "internal_error";
+        default: break;
+    }
+    if (status < SUPPLE_INVALID_ARGUMENT || status > SUPPLE_EXTERNAL_TOOL) return "unknown";
+    return supple::to_string(static_cast<ErrorCode>(status)).data();  // literals: terminated
+}
+
+const char* supple_flag_name(uint32_t one_bit) {
+    const supple::StepFlag* flag = find_flag(one_bit);
+    return flag != nullptr ? supple::name(*flag).data() : "";
+}
+
+const char* supple_flag_cure(uint32_t one_bit) {
+    const supple::StepFlag* flag = find_flag(one_bit);
+    return flag != nullptr ? supple::cure(*flag).data() : "";
+}
+
+SuppleStatus supple_world_def_default(SuppleWorldDef* def, size_t struct_size) {
+    return guarded([&] { write_struct(def, struct_size, kWorldDefFirst, default_world_def(), "supple_world_def_default"); });
+}
+
+SuppleStatus supple_body_def_default(SuppleBodyDef* def, size_t struct_size) {
+    return guarded([&] { write_struct(def, struct_size, kBodyDefFirst, default_body_def(), "supple_body_def_default"); });
+}
+
+SuppleStatus supple_step_report_default(SuppleStepReport* report, size_t struct_size) {
+    return guarded([&] { write_struct(report, struct_size, kStepReportFirst, SuppleStepReport{}, "supple_step_report_default"); });
+}
+
+SuppleStatus supple_world_create(const SuppleWorldDef* def, SuppleWorld** out_world) {
+    return guarded([&] {
+        required(out_world, "supple_world_create", "out_world") = nullptr;
+        const SuppleWorldDef c = read_def(def, default_world_def(), kWorldDefFirst, "SuppleWorldDef");
+        *out_world = new SuppleWorld{supple::World(world_def(c))};
+    });
+}
+
+void supple_world_destroy(SuppleWorld* world) { delete world; }
+
+SuppleStatus supple_world_add_body(SuppleWorld* world, const SuppleBodyDef* def, SuppleBodyId* out_body) {
+    return guarded([&] {
+        required(out_body, "supple_world_add_body", "out_body") = SuppleBodyId{0, 0};
+        required(world, "supple_world_add_body", "world");
+        const SuppleBodyDef c = read_def(def, default_body_def(), kBodyDefFirst, "SuppleBodyDef");
+        const BodyId body = world->world.add_body(body_def(c));
+        *out_body = SuppleBodyId{body.index, body.generation};
+    });
+}
+
+SuppleStatus supple_world_remove_body(SuppleWorld* world, SuppleBodyId body) {
+    return guarded([&] { required(world, "supple_world_remove_body", "world").world.remove_body(id(body)); });
+}
+
+SuppleStatus supple_world_fix_vertices(SuppleWorld* world, SuppleBodyId body, const int32_t* vertices, size_t count) {
+    return guarded([&] {
+        required(world, "supple_world_fix_vertices", "world");
+        if (count > 0) required(vertices, "supple_world_fix_vertices", "vertices");
+        world->world.fix(id(body), supple::VertexList{{vertices, vertices + count}});
+    });
+}
+
+SuppleStatus supple_world_fix_box(SuppleWorld* world, SuppleBodyId body, const double min_m[3], const double max_m[3],
+                                  size_t* out_count) {
+    return guarded([&] {
+        required(world, "supple_world_fix_box", "world");
+        required(min_m, "supple_world_fix_box", "min_m");
+        required(max_m, "supple_world_fix_box", "max_m");
+        const std::size_t count = world->world.fix(id(body), supple::InsideBox{vec3(min_m), vec3(max_m)});
+        if (out_count != nullptr) *out_count = count;
+    });
+}
+
+SuppleStatus supple_world_step(SuppleWorld* world, SuppleStepReport* out_report) {
+    return guarded([&] {
+        required(world, "supple_world_step", "world");
+        check_report(out_report);
+        report_out(out_report, world->world.step(), 1, 1.0);
+    });
+}
+
+SuppleStatus supple_world_advance(SuppleWorld* world, double real_seconds, SuppleStepReport* out_report) {
+    return guarded([&] {
+        required(world, "supple_world_advance", "world");
+        check_report(out_report);
+        supple::require_in_range(real_seconds, 0, 1e9, "supple_world_advance.real_seconds", "pass the time since the last call");
+        const supple::AdvanceReport r = world->world.advance(real_seconds);
+        report_out(out_report, r.last, r.steps, r.alpha);
+    });
+}
+
+SuppleStatus supple_world_vertex_count(const SuppleWorld* world, SuppleBodyId body, size_t* out_count) {
+    return guarded([&] {
+        required(out_count, "supple_world_vertex_count", "out_count") = 0;
+        *out_count = required(world, "supple_world_vertex_count", "world").world.positions(id(body)).size();
+    });
+}
+
+SuppleStatus supple_world_positions(const SuppleWorld* world, SuppleBodyId body, double* xyz_m, size_t capacity) {
+    return copy_vectors(world, body, &supple::World::positions, xyz_m, capacity, "supple_world_positions");
+}
+
+SuppleStatus supple_world_previous_positions(const SuppleWorld* world, SuppleBodyId body, double* xyz_m, size_t capacity) {
+    return copy_vectors(world, body, &supple::World::previous_positions, xyz_m, capacity, "supple_world_previous_positions");
+}
+
+SuppleStatus supple_world_velocities(const SuppleWorld* world, SuppleBodyId body, double* xyz_m_s, size_t capacity) {
+    return copy_vectors(world, body, &supple::World::velocities, xyz_m_s, capacity, "supple_world_velocities");
+}
+
+SuppleStatus supple_world_von_mises(const SuppleWorld* world, SuppleBodyId body, double* stress_pa, size_t capacity) {
+    return guarded([&] {
+        const auto values = required(world, "supple_world_von_mises", "world").world.von_mises(id(body));
+        required(stress_pa, "supple_world_von_mises", "the buffer");
+        if (capacity < values.size())
+            refuse("supple_world_von_mises",
+                   "the buffer holds " + std::to_string(capacity) + " doubles; " + std::to_string(values.size()) + " are needed");
+        std::copy(values.begin(), values.end(), stress_pa);
+    });
+}
+
+SuppleStatus supple_world_hash(const SuppleWorld* world, uint64_t* out_hash) {
+    return guarded([&] {
+        required(out_hash, "supple_world_hash", "out_hash") = 0;
+        *out_hash = required(world, "supple_world_hash", "world").world.hash();
+    });
+}

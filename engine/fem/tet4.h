@@ -1,0 +1,84 @@
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "supple/base/aligned.h"
+#include "supple/math/isa.h"
+
+namespace supple::fem {
+
+/// Elements come in blocks of eight: one AVX-512 batch of doubles, two of AVX2, four of SSE2.
+/// A field of a block is eight consecutive numbers. Lanes past the last element repeat it with zero volume.
+inline constexpr std::size_t kBlock = 8;
+
+/// Rest shape of linear tetrahedra, ready for the kernels.
+struct Tet4Rest {
+    std::size_t elements = 0;
+    std::size_t vertices = 0;
+    std::size_t blocks() const { return (elements + kBlock - 1) / kBlock; }
+
+    AlignedVector<std::int32_t> vertex;  ///< [block][corner 0..3][lane]
+    AlignedVector<double> gradient;      ///< [block][g1x g1y g1z g2x .. g3z][lane] [1/m]; g0 = -(g1 + g2 + g3)
+    AlignedVector<double> volume;        ///< [block][lane] [m^3]
+};
+
+/// What a kernel pass reads and writes; null outputs are not computed. Arrays as in Tet4Rest.
+struct Tet4Pass {
+    const std::int32_t* vertex = nullptr;
+    const double* gradient = nullptr;
+    const double* volume = nullptr;
+    const double* moduli = nullptr;       ///< [block][lambda mu][lane] [Pa]
+    const double* position = nullptr;     ///< [vertex][3] [m]
+
+    double* quaternion = nullptr;         ///< [block][w x y z][lane]: warm start in, rotation of the element out
+    double* corner_force = nullptr;       ///< out [element][corner][x y z 0] [N], elastic force on each corner
+    float* record_f = nullptr;            ///< out, element record (below), float32 or float64
+    double* record_d = nullptr;
+    double* energy = nullptr;             ///< out [block][lane] [J]
+    double* stress = nullptr;             ///< out [block][xx yy zz xy yz zx][lane], Cauchy [Pa]
+};
+
+/// An element record is what the stiffness blocks are made of: [corner][x y z] the rotated rest gradient R g_a, and in the fourth
+/// place of corner 0 lambda V, of corner 1 mu V. 16 numbers: one cache line in float32.
+inline constexpr std::size_t kRecord = 16;
+
+/// K d for a field d, with the rotations held.
+struct Tet4Product {
+    const std::int32_t* vertex = nullptr;
+    const double* gradient = nullptr;
+    const double* volume = nullptr;
+    const double* moduli = nullptr;
+    const double* quaternion = nullptr;
+    const double* field = nullptr;        ///< [vertex][3]
+    double* corner_force = nullptr;       ///< out [element][corner][x y z 0]: (K d) corner by corner
+};
+
+/// Row range of the stiffness matrix, gathered block by block from element records. Index lists come from solve::Bsr3Pattern.
+template <class Real>
+struct Tet4Assembly {
+    const std::int32_t* row_start = nullptr;     ///< [row + 1] blocks of a row
+    const std::int32_t* column = nullptr;        ///< [block], ascending in a row
+    const std::int32_t* mirror = nullptr;        ///< [block] index of the transposed block
+    const std::int64_t* contribution_start = nullptr;  ///< [block + 1]; empty ranges below the diagonal
+    const std::uint32_t* contribution = nullptr; ///< element * 16 + corner_of_row * 4 + corner_of_column
+    const Real* record = nullptr;
+    const double* laplacian = nullptr;           ///< [block] sum of mu V g_a.g_b [N/m]
+    const double* diagonal_shift = nullptr;      ///< [row] added to the diagonal: (1 + h alpha) m
+    double stiffness_scale = 1;                  ///< h^2 + h beta
+    Real* value = nullptr;                       ///< out [block][column 0..2][x y z 0]
+};
+
+struct Tet4Kernels {
+    /// Rotation, and any of force, record, energy, stress, of the blocks [begin, end).
+    void (*elements)(const Tet4Pass& pass, std::size_t begin, std::size_t end);
+    void (*product)(const Tet4Product& pass, std::size_t begin, std::size_t end);
+    /// Blocks (i, j >= i) of the rows i in [begin, end) and their mirrors.
+    void (*assemble_f)(const Tet4Assembly<float>& pass, std::size_t begin, std::size_t end);
+    void (*assemble_d)(const Tet4Assembly<double>& pass, std::size_t begin, std::size_t end);
+};
+
+/// Kernels of one instruction set; it must be supported (math/isa.h).
+const Tet4Kernels& tet4_kernels(Isa isa);
+
+}  // namespace supple::fem

@@ -1,0 +1,56 @@
+#include "supple/io/scene.h"
+
+#include "supple/io/binary_file.h"
+#include "supple/io/scene_parts.h"
+
+namespace supple::io {
+
+void require_keys(const JsonNode& node, std::initializer_list<std::string_view> known, std::initializer_list<std::string_view> planned,
+                  const std::string& message) {
+    std::vector<std::string_view> all(known);
+    all.insert(all.end(), planned);
+    node.require_object(all);
+    for (std::string_view key : planned) {
+        if (node.has(key)) node.at(key).unsupported("\"" + std::string(key) + "\" " + message);
+    }
+}
+
+Scene parse_scene(const std::string& text, const std::filesystem::path& folder, const std::string& name) {
+    const nlohmann::json document = parse_json(text, name);
+    const JsonNode root(document, name);
+    root.require_object({"supple_scene", "time_step_s", "gravity_m_s2", "threads", "solver", "bodies", "colliders", "camera"});
+    const JsonNode version = root.at("supple_scene", "a scene file begins with \"supple_scene\": 1");
+    if (version.number() != 1) version.unsupported("version " + version.shown() + " of the scene format is not read; this build reads version 1");
+
+    Scene scene;
+    if (root.has("time_step_s")) scene.world.time_step_s = root.at("time_step_s").number_above(0, 1);
+    if (root.has("gravity_m_s2")) scene.world.gravity_m_s2 = root.at("gravity_m_s2").vec3(1e6);
+    if (root.has("threads")) scene.world.threads = int(root.at("threads").integer(0, 256));
+    if (root.has("solver")) scene.world.solver = read_solver(root.at("solver"));
+    if (root.has("camera")) scene.camera = read_camera(root.at("camera"));
+    if (root.has("colliders") && !root.at("colliders").items().empty()) {
+        root.at("colliders").unsupported("\"colliders\" are not available in this build; hold bodies with \"fixed\" and \"prescribed\"");
+    }
+    SceneContext context{folder, {}};
+    const JsonNode bodies = root.at("bodies", "give a list of at least one body");
+    for (const JsonNode& body : bodies.items()) scene.bodies.push_back(read_body(body, context));
+    if (scene.bodies.empty()) bodies.fail("the list is empty; give at least one body");
+    return scene;
+}
+
+Scene read_scene(const std::filesystem::path& file) { return parse_scene(read_text_file(file), file.parent_path(), file.string()); }
+
+World build_world(const Scene& scene, const LogSink& log) {
+    WorldDef def = scene.world;
+    if (log) def.log = log;
+    World world(def);
+    for (const SceneBody& body : scene.bodies) {
+        const BodyId id = world.add_body(body.def);
+        for (const SceneBody::Support& support : body.fixed) world.fix(id, support.where, support.axes);
+        for (const Motion& motion : body.prescribed) world.prescribe(id, motion);
+        for (const Load& load : body.loads) world.add_load(id, load);
+    }
+    return world;
+}
+
+}  // namespace supple::io

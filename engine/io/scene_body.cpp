@@ -1,0 +1,88 @@
+#include "supple/io/mesh_file.h"
+#include "supple/io/scene_parts.h"
+#include "supple/mesh/box_mesh.h"
+
+namespace supple::io {
+
+namespace {
+
+constexpr double kMostCells = 2e7;
+const char* const kNoHexes = "hexahedra cannot be simulated by this build; use tetrahedra";
+
+VolumeMesh read_generated_box(const JsonNode& node) {
+    node.require_object({"min_m", "max_m", "cells", "elements"});
+    BoxDef def;
+    const InsideBox corners = read_box(node, false);
+    def.min_m = corners.min_m;
+    def.max_m = corners.max_m;
+    const JsonNode cells = node.at("cells", "give how many cells lie along x, y and z, e.g. [16, 4, 4]");
+    if (!cells.is_array() || cells.size() != 3) cells.fail("must be a list of three whole numbers, found " + cells.shown());
+    double total = 1;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        def.cells[axis] = int(cells.item(axis).integer(1, 1000000));
+        total *= def.cells[axis];
+    }
+    if (total > kMostCells) cells.fail(cells.shown() + " makes " + to_text(total) + " cells, more than " + to_text(kMostCells));
+    if (node.has("elements") && node.at("elements").choice({"tets", "hexes"}) == "hexes") {
+        node.at("elements").unsupported(std::string(kNoHexes) + ": \"elements\": \"tets\"");
+    }
+    return make_tet_box(def);
+}
+
+/// Runs `make`, putting the place in the scene before the message of what went wrong in a mesh.
+template <class Make>
+auto at_pointer(const JsonNode& node, Make&& make) {
+    try {
+        return make();
+    } catch (const Error& error) {
+        throw Error(error.code(), node.where(), error.what());
+    }
+}
+
+std::shared_ptr<const BodyTemplate> read_shape(const JsonNode& node, double scale, SceneContext& context) {
+    if (node.has("mesh") && node.has("box")) node.at("box").fail("a body has a \"mesh\" or a \"box\", not both; remove one");
+    if (node.has("box")) {
+        const JsonNode box = node.at("box");
+        VolumeMesh mesh = at_pointer(box, [&] { return read_generated_box(box); });
+        return at_pointer(box, [&] { return BodyTemplate::build(std::move(mesh), scale); });
+    }
+    const JsonNode path = node.at("mesh", "give \"mesh\": \"file\" or \"box\": {\"min_m\", \"max_m\", \"cells\"}");
+    const std::filesystem::path file = context.folder / path.text();
+    if (path.text().empty()) path.fail("the path is empty; name a mesh file, relative to the scene file");
+    auto& shape = context.shapes[{file.lexically_normal().string(), scale}];
+    if (shape) return shape;
+    VolumeMesh mesh = at_pointer(path, [&] { return read_mesh(file); });
+    if (!mesh.hexes.empty()) path.unsupported(std::string(kNoHexes) + " (" + file.string() + " has " + std::to_string(mesh.hexes.size()) + ")");
+    shape = at_pointer(path, [&] { return BodyTemplate::build(std::move(mesh), scale); });
+    return shape;
+}
+
+}  // namespace
+
+InsideBox read_box(const JsonNode& node, bool may_be_flat) {
+    const InsideBox box{node.at("min_m").vec3(), node.at("max_m").vec3()};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const double low = box.min_m[Eigen::Index(axis)], high = box.max_m[Eigen::Index(axis)];
+        if (low < high || (may_be_flat && low == high)) continue;
+        node.at("max_m").item(axis).fail(to_text(high) + " is not above min_m (" + to_text(low) + ") in " + "xyz"[axis] + "; exchange or correct them");
+    }
+    return box;
+}
+
+SceneBody read_body(const JsonNode& node, SceneContext& context) {
+    node.require_object({"name", "mesh", "box", "scale", "translation_m", "velocity_m_s", "density_kg_m3", "material", "regions", "fixed", "prescribed",
+                         "loads"});
+    SceneBody body;
+    BodyDef& def = body.def;
+    if (node.has("name")) def.name = node.at("name").text();
+    const double scale = node.has("scale") ? node.at("scale").number_above(0, 1e9) : 1.0;
+    def.shape = read_shape(node, scale, context);
+    if (node.has("translation_m")) def.translation_m = node.at("translation_m").vec3(1e9);
+    if (node.has("velocity_m_s")) def.velocity_m_s = node.at("velocity_m_s").vec3(1e9);
+    if (node.has("density_kg_m3")) def.density_kg_m3 = node.at("density_kg_m3").number_above(0, 1e9);
+    read_materials(node, def);
+    read_supports_and_loads(node, body);
+    return body;
+}
+
+}  // namespace supple::io

@@ -1,0 +1,220 @@
+#include <algorithm>
+
+#include "supple/io/scene_parts.h"
+
+namespace supple::io {
+
+namespace {
+
+std::string_view only_key(const JsonNode& node, std::span<const std::string_view> keys, const std::string& missing) {
+    std::string_view found;
+    for (std::string_view key : keys) {
+        if (!node.has(key)) continue;
+        if (!found.empty()) node.at(key).fail("\"" + std::string(key) + "\" and \"" + std::string(found) + "\" exclude each other; keep one");
+        found = key;
+    }
+    if (found.empty()) node.fail(missing);
+    return found;
+}
+
+Selection read_selection_key(const JsonNode& node, std::string_view key, const VolumeMesh& mesh) {
+    const JsonNode value = node.at(key);
+    if (key == "selection") {
+        if (value.has("selection")) value.at("selection").fail("a selection cannot hold another \"selection\"; write it directly");
+        if (value.is_object()) value.require_object(kSelectionKeys);
+        return read_selection(value, mesh);
+    }
+    if (key == "all") {
+        if (!value.boolean()) value.fail("must be true; leave the key out to select nothing");
+        return Everything{};
+    }
+    if (key == "box") {
+        value.require_object({"min_m", "max_m"});
+        return read_box(value, true);
+    }
+    if (key == "sphere") {
+        value.require_object({"centre_m", "radius_m"});
+        return InsideSphere{value.at("centre_m").vec3(), value.at("radius_m").number(0, 1e9)};
+    }
+    if (key == "group") return InGroup{value.text()};
+    VertexList list;
+    if (!value.is_array()) value.fail("must be a list of vertex numbers, counted from 0, found " + value.shown());
+    for (std::size_t i = 0; i < value.size(); ++i) {
+        list.vertices.push_back(std::int32_t(value.item(i).integer(0, std::int64_t(mesh.vertices.size()) - 1)));
+    }
+    return list;
+}
+
+Axes read_axes(const JsonNode& node) {
+    if (!node.has("axes")) return {};
+    const JsonNode value = node.at("axes");
+    const std::string word = value.text();
+    Axes axes{false, false, false};
+    for (char c : word) {
+        bool* axis = c == 'x' ? &axes.x : c == 'y' ? &axes.y : c == 'z' ? &axes.z : nullptr;
+        if (!axis || *axis) value.fail(value.shown() + " must hold some of the letters x, y and z, each once");
+        *axis = true;
+    }
+    if (word.empty()) value.fail("is empty; name at least one of x, y and z, or leave the key out for all three");
+    return axes;
+}
+
+struct Vec3Value {
+    using Type = Vec3;
+    static constexpr const char* kSingle = "[x, y, z]";
+    static Type read(const JsonNode& node) { return node.vec3(1e15); }
+    static Type neutral() { return Vec3::Zero(); }
+    static bool is_list(const JsonNode& node) { return node.is_array() && node.size() > 0 && node.item(0).is_array(); }
+};
+
+struct AffineValue {
+    using Type = Mat34;
+    static constexpr const char* kSingle = "three rows of four numbers";
+    static Type read(const JsonNode& node) {
+        Mat34 map;
+        if (!node.is_array() || node.size() != 3) node.fail("must be three rows of four numbers [A | t], found " + node.shown());
+        for (std::size_t r = 0; r < 3; ++r) {
+            const JsonNode row = node.item(r);
+            if (!row.is_array() || row.size() != 4) row.fail("must be a row of four numbers, found " + row.shown());
+            for (std::size_t c = 0; c < 4; ++c) map(Eigen::Index(r), Eigen::Index(c)) = row.item(c).number(-1e15, 1e15);
+        }
+        return map;
+    }
+    static Type neutral() { return Mat34::Identity(); }
+    static bool is_list(const JsonNode& node) { return Vec3Value::is_list(node) && Vec3Value::is_list(node.item(0)); }
+};
+
+/// The value under `key` with the entry's times_s, as scene.h says.
+template <class Value>
+Timeline<typename Value::Type> read_timeline(const JsonNode& entry, std::string_view key) {
+    const JsonNode value = entry.at(key);
+    Timeline<typename Value::Type> timeline;
+    if (!entry.has("times_s")) {
+        if (Value::is_list(value)) value.fail("is a list of values, but \"times_s\" is missing; give one time per value, or one value " + std::string(Value::kSingle));
+        timeline.values.push_back(Value::read(value));
+        return timeline;
+    }
+    const JsonNode times = entry.at("times_s");
+    for (const JsonNode& time : times.items()) {
+        const double t = time.number();
+        if (!timeline.times_s.empty() && t <= timeline.times_s.back()) time.fail(time.shown() + " s does not come after the time before it; times must ascend");
+        timeline.times_s.push_back(t);
+    }
+    if (timeline.times_s.empty()) times.fail("is empty; give at least one time, or leave the key out for a constant value");
+    if (!Value::is_list(value)) {
+        if (timeline.times_s.size() != 2) {
+            value.fail("is a single value with " + std::to_string(timeline.times_s.size()) +
+                       " times; give a list with one value per time, or two times for a ramp to the value");
+        }
+        timeline.values = {Value::neutral(), Value::read(value)};
+        return timeline;
+    }
+    if (value.size() != timeline.times_s.size()) {
+        value.fail("has " + std::to_string(value.size()) + " values for " + std::to_string(timeline.times_s.size()) + " times; give one value per time");
+    }
+    for (std::size_t i = 0; i < value.size(); ++i) timeline.values.push_back(Value::read(value.item(i)));
+    return timeline;
+}
+
+void require_entry(const JsonNode& node, std::initializer_list<std::string_view> keys, std::initializer_list<std::string_view> planned = {},
+                   const std::string& message = {}) {
+    std::vector<std::string_view> all(kSelectionKeys.begin(), kSelectionKeys.end());
+    all.insert(all.end(), keys);
+    all.insert(all.end(), planned);
+    node.require_object(all);
+    for (std::string_view key : planned) {
+        if (node.has(key)) node.at(key).unsupported("\"" + std::string(key) + "\" " + message);
+    }
+}
+
+Motion read_motion(const JsonNode& node, const VolumeMesh& mesh) {
+    require_entry(node, {"axes", "displacement_m", "velocity_m_s", "affine", "times_s"});
+    Motion motion;
+    motion.where = read_selection(node, mesh);
+    motion.axes = read_axes(node);
+    static constexpr std::string_view kKinds[] = {"displacement_m", "velocity_m_s", "affine"};
+    const std::string_view key = only_key(node, kKinds, "a motion needs one of \"displacement_m\", \"velocity_m_s\" and \"affine\"");
+    if (key == "displacement_m") motion.displacement_m = read_timeline<Vec3Value>(node, key);
+    if (key == "velocity_m_s") motion.velocity_m_s = read_timeline<Vec3Value>(node, key);
+    if (key == "affine") motion.affine = read_timeline<AffineValue>(node, key);
+    return motion;
+}
+
+/// Whether a boundary triangle has all its vertices selected.
+bool touches_boundary(const BodyTemplate& shape, const Selection& where) {
+    std::vector<bool> selected(shape.mesh().vertices.size(), false);
+    for (std::int32_t v : select_vertices(shape.mesh(), where)) selected[std::size_t(v)] = true;
+    const auto& triangles = shape.boundary().triangles;
+    return std::any_of(triangles.begin(), triangles.end(), [&](const Triangle& t) {
+        return selected[std::size_t(t[0])] && selected[std::size_t(t[1])] && selected[std::size_t(t[2])];
+    });
+}
+
+Load read_load(const JsonNode& node, const BodyTemplate& shape) {
+    require_entry(node, {"force_n", "force_per_vertex_n", "traction_pa", "body_force_n_m3", "times_s"}, {"pressure_pa", "follower", "moment_nm", "axis"},
+                  "is not available in this build; supported are force_n, force_per_vertex_n, traction_pa and body_force_n_m3");
+    Load load;
+    static constexpr std::string_view kKinds[] = {"force_n", "force_per_vertex_n", "traction_pa", "body_force_n_m3"};
+    const std::string_view key = only_key(node, kKinds, "a load needs one of \"force_n\", \"force_per_vertex_n\", \"traction_pa\" and \"body_force_n_m3\"");
+    load.where = read_selection(node, shape.mesh());
+    load.kind = key == "force_n"              ? LoadKind::total_force
+                : key == "force_per_vertex_n" ? LoadKind::force_per_vertex
+                : key == "traction_pa"        ? LoadKind::traction
+                                              : LoadKind::body_force;
+    load.value = read_timeline<Vec3Value>(node, key);
+    if (load.kind == LoadKind::traction && !touches_boundary(shape, load.where)) {
+        node.at(key).fail("no boundary triangle has all its vertices in the selection; make the selection larger");
+    }
+    if (load.kind == LoadKind::body_force && select_elements(shape.mesh(), load.where).empty()) {
+        node.at(key).fail("no element has all its vertices in the selection; make the selection larger");
+    }
+    return load;
+}
+
+}  // namespace
+
+Selection read_selection(const JsonNode& node, const VolumeMesh& mesh) {
+    Selection selection = Everything{};
+    if (node.is_string()) {
+        if (node.text() != "all") node.fail(node.shown() + " is no selection; write \"all\" or {\"group\": " + node.shown() + "}");
+        return selection;
+    }
+    if (!node.is_object()) {
+        node.fail("must be \"all\" or an object with one of \"box\", \"sphere\", \"vertices\", \"group\" and \"all\", found " + node.shown());
+    }
+    const std::string_view key = only_key(node, kSelectionKeys, "a selection is missing; give one of \"box\", \"sphere\", \"vertices\", \"group\" and \"all\": true");
+    selection = read_selection_key(node, key, mesh);
+    std::vector<std::int32_t> vertices;
+    try {
+        vertices = select_vertices(mesh, selection);
+    } catch (const Error& error) {
+        node.at(key).fail(error.message());
+    }
+    if (!vertices.empty()) return selection;
+    Vec3 low = Vec3::Zero(), high = Vec3::Zero();
+    if (!mesh.vertices.empty()) low = high = mesh.vertices[0];
+    for (const Vec3& x : mesh.vertices) {
+        low = low.cwiseMin(x);
+        high = high.cwiseMax(x);
+    }
+    const auto corner = [](const Vec3& x) { return "[" + to_text(x[0]) + ", " + to_text(x[1]) + ", " + to_text(x[2]) + "]"; };
+    node.at(key).fail("selects no vertex; the rest shape, scaled, reaches from " + corner(low) + " to " + corner(high) + " m");
+}
+
+void read_supports_and_loads(const JsonNode& node, SceneBody& body) {
+    const BodyTemplate& shape = *body.def.shape;
+    if (node.has("fixed")) {
+        for (const JsonNode& entry : node.at("fixed").items()) {
+            if (entry.is_object()) require_entry(entry, {"axes"});
+            body.fixed.push_back({read_selection(entry, shape.mesh()), read_axes(entry)});
+        }
+    }
+    if (node.has("prescribed")) {
+        for (const JsonNode& entry : node.at("prescribed").items()) body.prescribed.push_back(read_motion(entry, shape.mesh()));
+    }
+    if (node.has("loads")) {
+        for (const JsonNode& entry : node.at("loads").items()) body.loads.push_back(read_load(entry, shape));
+    }
+}
+
+}  // namespace supple::io

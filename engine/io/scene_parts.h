@@ -1,0 +1,41 @@
+#pragma once
+#include <array>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "supple/io/json_node.h"
+#include "supple/io/scene.h"
+
+namespace supple::io {
+
+/// What the readers of a scene's parts share.
+struct SceneContext {
+    std::filesystem::path folder;  ///< mesh paths are relative to it
+    std::map<std::pair<std::string, double>, std::shared_ptr<const BodyTemplate>> shapes;  ///< by mesh file and scale: bodies share them
+};
+
+/// `node` must be an object with keys out of `known` and `planned`; one of `planned` is Error(unsupported) with `message`.
+void require_keys(const JsonNode& node, std::initializer_list<std::string_view> known, std::initializer_list<std::string_view> planned,
+                  const std::string& message);
+
+SolverDef read_solver(const JsonNode& node);
+SceneCamera read_camera(const JsonNode& node);
+SceneBody read_body(const JsonNode& node, SceneContext& context);
+
+/// A box given by corners: min_m below max_m in every coordinate (or equal, where `may_be_flat`).
+InsideBox read_box(const JsonNode& node, bool may_be_flat);
+/// "all", {"box"}, {"sphere"}, {"vertices"}, {"group"} or {"all": true}, also under the key "selection"; at least one vertex is selected.
+Selection read_selection(const JsonNode& node, const VolumeMesh& mesh);
+/// Fills fixed, prescribed and loads.
+void read_supports_and_loads(const JsonNode& node, SceneBody& body);
+
+/// The selection keys that an entry of `fixed`, `prescribed`, `loads` or `regions` may hold directly.
+inline constexpr std::array<std::string_view, 6> kSelectionKeys = {"box", "sphere", "vertices", "group", "all", "selection"};
+
+/// Material of the body and of its regions: def.material, young_pa_per_element, poisson_per_element.
+void read_materials(const JsonNode& body, BodyDef& def);
+
+}  // namespace supple::io

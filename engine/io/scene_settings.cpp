@@ -1,0 +1,47 @@
+#include "supple/io/scene_parts.h"
+
+namespace supple::io {
+
+SolverDef read_solver(const JsonNode& node) {
+    require_keys(node,
+                 {"integrator", "newton_iterations", "newton_tolerance", "cg_relative_tolerance", "cg_max_iterations", "preconditioner", "precision",
+                  "linearise_at", "rayleigh_mass_1_s", "rayleigh_stiffness_s", "tangent", "operator"},
+                 {"step_budget_us"}, "is not available in this build; leave it out: a step takes the time it needs");
+    SolverDef solver;
+    if (node.has("integrator")) node.at("integrator").choice({"implicit_euler"}, {"bdf2", "newmark", "static"});
+    if (node.has("tangent")) node.at("tangent").choice({"warped"}, {"exact"});
+    if (node.has("operator")) node.at("operator").choice({"auto", "assembled"}, {"matrix_free"});
+    if (node.has("newton_iterations")) solver.newton_iterations = int(node.at("newton_iterations").integer(1, 100));
+    if (node.has("newton_tolerance")) {
+        const JsonNode tolerance = node.at("newton_tolerance");
+        solver.newton_tolerance = tolerance.number();
+        if (!(solver.newton_tolerance >= 0 && solver.newton_tolerance < 1)) tolerance.fail(tolerance.shown() + " is outside [0, 1)");
+    }
+    if (node.has("cg_relative_tolerance")) solver.cg_relative_tolerance = node.at("cg_relative_tolerance").number_between(0, 1);
+    if (node.has("cg_max_iterations")) solver.cg_max_iterations = int(node.at("cg_max_iterations").integer(1, 1000000));
+    if (node.has("preconditioner")) {
+        const std::string kind =
+            node.at("preconditioner").choice({"auto", "block_jacobi"}, {"auto_timed", "scalar_laplacian", "lattice_multigrid", "direct"});
+        solver.preconditioner = kind == "auto" ? PreconditionerKind::automatic : PreconditionerKind::block_jacobi;
+    }
+    if (node.has("precision")) {
+        solver.precision = node.at("precision").choice({"single", "double"}) == "single" ? Precision::single : Precision::double_;
+    }
+    if (node.has("linearise_at")) {
+        const std::string at = node.at("linearise_at").choice({"prediction", "current"});
+        solver.linearise_at = at == "prediction" ? LineariseAt::prediction : LineariseAt::current;
+    }
+    if (node.has("rayleigh_mass_1_s")) solver.rayleigh_mass_1_s = node.at("rayleigh_mass_1_s").number(0, 1e6);
+    if (node.has("rayleigh_stiffness_s")) solver.rayleigh_stiffness_s = node.at("rayleigh_stiffness_s").number(0, 1e3);
+    return solver;
+}
+
+SceneCamera read_camera(const JsonNode& node) {
+    node.require_object({"eye_m", "target_m", "fov_deg"});
+    SceneCamera camera{node.at("eye_m").vec3(1e9), node.at("target_m").vec3(1e9), 40};
+    if (node.has("fov_deg")) camera.fov_deg = node.at("fov_deg").number(1, 170);
+    if (camera.eye_m == camera.target_m) node.at("target_m").fail("target_m equals eye_m; the camera must look somewhere");
+    return camera;
+}
+
+}  // namespace supple::io

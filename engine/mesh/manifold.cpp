@@ -1,0 +1,195 @@
+#include "supple/mesh/manifold.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "supple/mesh/surface.h"
+#include "supple/mesh/topology.h"
+
+namespace supple {
+namespace {
+
+/// For every vertex the items (tets or triangles) that use it, ascending.
+class Stars {
+public:
+    template <std::size_t N>
+    Stars(std::size_t vertices, const std::vector<std::array<std::int32_t, N>>& items) : start_(vertices + 1, 0) {
+        for (const auto& item : items)
+            for (const std::int32_t v : item) ++start_[v + 1];
+        for (std::size_t v = 0; v < vertices; ++v) start_[v + 1] += start_[v];
+        items_.resize(start_.back());
+        std::vector<std::size_t> next(start_.begin(), start_.end() - 1);
+        for (std::size_t i = 0; i < items.size(); ++i)
+            for (const std::int32_t v : items[i]) items_[next[v]++] = static_cast<std::int32_t>(i);
+    }
+    std::span<const std::int32_t> of(std::size_t v) const { return {items_.data() + start_[v], start_[v + 1] - start_[v]}; }
+
+private:
+    std::vector<std::size_t> start_;
+    std::vector<std::int32_t> items_;
+};
+
+/// A facet of item `item` of a star: the other vertices by which two items of the star may be joined.
+struct Joint {
+    std::array<std::int32_t, 2> others;
+    std::int32_t item;
+    bool operator<(const Joint& o) const { return others != o.others ? others < o.others : item < o.item; }
+};
+
+/// Labels the items of a star, 0..count-1, by what hangs together across equal joints. Returns the number of sets; labels are
+/// numbered in the order of their first item.
+int label_sets(std::size_t items, std::vector<Joint>& joints, std::vector<int>& label) {
+    std::sort(joints.begin(), joints.end());
+    DisjointSets sets(items);
+    for (std::size_t i = 1; i < joints.size(); ++i)
+        if (joints[i].others == joints[i - 1].others) sets.unite(joints[i].item, joints[i - 1].item);
+    label.assign(items, -1);
+    int count = 0;
+    for (std::size_t i = 0; i < items; ++i) {
+        const std::int32_t root = sets.find(static_cast<std::int32_t>(i));  // the smallest member
+        label[i] = root == static_cast<std::int32_t>(i) ? count++ : label[root];
+    }
+    return count;
+}
+
+/// Joints of the tets `star` across the faces that hold all of the vertices in `core` (one vertex or two).
+void tet_joints(const std::vector<Tet>& tets, std::span<const std::int32_t> star, std::span<const std::int32_t> core,
+                std::vector<Joint>& joints) {
+    joints.clear();
+    for (std::size_t i = 0; i < star.size(); ++i) {
+        std::array<std::int32_t, 4> others{};
+        int n = 0;
+        for (const std::int32_t v : tets[star[i]])
+            if (std::find(core.begin(), core.end(), v) == core.end()) others[n++] = v;
+        for (int a = 1; a < n; ++a)  // three at most: no library sort
+            for (int b = a; b > 0 && others[b] < others[b - 1]; --b) std::swap(others[b], others[b - 1]);
+        const auto item = static_cast<std::int32_t>(i);
+        if (n == 2) {
+            joints.push_back({{others[0], -1}, item});
+            joints.push_back({{others[1], -1}, item});
+        } else {
+            joints.push_back({{others[0], others[1]}, item});
+            joints.push_back({{others[0], others[2]}, item});
+            joints.push_back({{others[1], others[2]}, item});
+        }
+    }
+}
+
+/// Gives every face-connected part of a vertex's tets its own copy of the vertex.
+std::size_t split_vertices(VolumeMesh& mesh, const std::vector<char>& on_boundary) {
+    const Stars stars(mesh.vertices.size(), mesh.tets);
+    std::vector<Joint> joints;
+    std::vector<int> label;
+    std::size_t added = 0;
+    // Copies of other vertices never join tets that were apart, so the stars of the start stay valid: only vertex names in tets
+    // change, and each vertex is looked at once, with names that are equal exactly where the parts are joined.
+    for (std::size_t v = 0; v < on_boundary.size(); ++v) {
+        if (!on_boundary[v]) continue;
+        const auto star = stars.of(v);
+        const std::int32_t core = static_cast<std::int32_t>(v);
+        tet_joints(mesh.tets, star, {&core, 1}, joints);
+        const int parts = label_sets(star.size(), joints, label);
+        for (int part = 1; part < parts; ++part) {
+            const auto copy = static_cast<std::int32_t>(mesh.vertices.size());
+            mesh.vertices.push_back(Vec3(mesh.vertices[v]));
+            ++added;
+            for (std::size_t i = 0; i < star.size(); ++i)
+                if (label[i] == part) std::replace(mesh.tets[star[i]].begin(), mesh.tets[star[i]].end(), core, copy);
+        }
+    }
+    return added;
+}
+
+double volume(const VolumeMesh& mesh, const Tet& t) {
+    return tet_volume(mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]], mesh.vertices[t[3]]);
+}
+
+/// Marks the smallest fan of tets around every edge with more than two boundary triangles.
+bool mark_edge_fans(const VolumeMesh& mesh, const std::vector<Triangle>& boundary, const Stars& stars, std::vector<char>& removed) {
+    std::vector<std::array<std::int32_t, 2>> edges;
+    for (const Triangle& t : boundary)
+        for (int i = 0; i < 3; ++i) {
+            const auto [low, high] = std::minmax(t[i], t[(i + 1) % 3]);
+            edges.push_back({low, high});
+        }
+    std::sort(edges.begin(), edges.end());
+    bool any = false;
+    std::vector<Joint> joints;
+    std::vector<int> label;
+    std::vector<std::int32_t> ring;
+    for (std::size_t i = 0, next = 0; i < edges.size(); i = next) {
+        while (next < edges.size() && edges[next] == edges[i]) ++next;
+        if (next - i <= 2) continue;
+        any = true;
+        ring.clear();
+        for (const std::int32_t t : stars.of(edges[i][0]))
+            if (std::find(mesh.tets[t].begin(), mesh.tets[t].end(), edges[i][1]) != mesh.tets[t].end()) ring.push_back(t);
+        tet_joints(mesh.tets, ring, edges[i], joints);
+        std::vector<double> fan_volume(label_sets(ring.size(), joints, label), 0);
+        for (std::size_t k = 0; k < ring.size(); ++k) fan_volume[label[k]] += volume(mesh, mesh.tets[ring[k]]);
+        const auto smallest = std::min_element(fan_volume.begin(), fan_volume.end()) - fan_volume.begin();
+        for (std::size_t k = 0; k < ring.size(); ++k)
+            if (label[k] == smallest) removed[ring[k]] = 1;
+    }
+    return any;
+}
+
+/// Marks all tets at every vertex whose boundary triangles form more than one fan.
+bool mark_pinched_stars(const VolumeMesh& mesh, const std::vector<Triangle>& boundary, const Stars& stars, std::vector<char>& removed) {
+    const Stars fans(mesh.vertices.size(), boundary);
+    std::vector<Joint> joints;
+    std::vector<int> label;
+    bool any = false;
+    for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
+        const auto star = fans.of(v);
+        joints.clear();
+        for (std::size_t i = 0; i < star.size(); ++i)
+            for (const std::int32_t w : boundary[star[i]])
+                if (w != static_cast<std::int32_t>(v)) joints.push_back({{w, -1}, static_cast<std::int32_t>(i)});
+        if (star.empty() || label_sets(star.size(), joints, label) == 1) continue;
+        any = true;
+        for (const std::int32_t t : stars.of(v)) removed[t] = 1;
+    }
+    return any;
+}
+
+}  // namespace
+
+ManifoldReport make_boundary_manifold(VolumeMesh& mesh) {
+    ManifoldReport report;
+    for (;;) {
+        std::vector<char> on_boundary(mesh.vertices.size(), 0);
+        for (const Triangle& t : extract_boundary(mesh).triangles)
+            for (const std::int32_t v : t) on_boundary[v] = 1;
+        report.split_vertices += split_vertices(mesh, on_boundary);
+        const std::vector<Triangle> boundary = extract_boundary(mesh).triangles;
+        const Stars stars(mesh.vertices.size(), mesh.tets);
+        std::vector<char> removed(mesh.tets.size(), 0);
+        // Edges first: a fan less often mends the vertex as well.
+        if (!mark_edge_fans(mesh, boundary, stars, removed) && !mark_pinched_stars(mesh, boundary, stars, removed)) break;
+        std::size_t kept = 0;
+        for (std::size_t t = 0; t < mesh.tets.size(); ++t)
+            if (!removed[t]) mesh.tets[kept++] = mesh.tets[t];
+        report.removed_tets += mesh.tets.size() - kept;
+        mesh.tets.resize(kept);
+    }
+    drop_unused_vertices(mesh);
+    return report;
+}
+
+void drop_unused_vertices(VolumeMesh& mesh) {
+    std::vector<std::int32_t> number(mesh.vertices.size(), -1);
+    for (const Tet& t : mesh.tets)
+        for (const std::int32_t v : t) number[v] = 0;
+    std::int32_t kept = 0;
+    for (std::size_t v = 0; v < number.size(); ++v)
+        if (number[v] == 0) {
+            mesh.vertices[kept] = Vec3(mesh.vertices[v]);
+            number[v] = kept++;
+        }
+    mesh.vertices.resize(kept);
+    for (Tet& t : mesh.tets)
+        for (std::int32_t& v : t) v = number[v];
+}
+
+}  // namespace supple

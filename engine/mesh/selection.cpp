@@ -1,0 +1,116 @@
+#include "supple/mesh/selection.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "supple/base/error.h"
+
+namespace supple {
+namespace {
+
+using Mask = std::vector<char>;  // one per vertex
+
+[[noreturn]] void refuse(const char* where, const std::string& message) { throw Error(ErrorCode::invalid_argument, where, message); }
+
+void mark(const VolumeMesh&, const Everything&, Mask& mask) { std::fill(mask.begin(), mask.end(), char{1}); }
+
+void mark(const VolumeMesh& mesh, const InsideBox& box, Mask& mask) {
+    for (int k = 0; k < 3; ++k)
+        if (!(box.min_m[k] <= box.max_m[k]))
+            refuse("InsideBox.max_m", std::string("box runs in ") + "xyz"[k] + " from " + to_text(box.min_m[k]) + " to " +
+                                          to_text(box.max_m[k]) + " m; give min <= max");
+    for (std::size_t v = 0; v < mask.size(); ++v)
+        mask[v] = (mesh.vertices[v].array() >= box.min_m.array()).all() && (mesh.vertices[v].array() <= box.max_m.array()).all();
+}
+
+void mark(const VolumeMesh& mesh, const InsideSphere& sphere, Mask& mask) {
+    if (!sphere.centre_m.allFinite()) refuse("InsideSphere.centre_m", "the centre is not finite; give three finite coordinates [m]");
+    if (!(sphere.radius_m >= 0)) refuse("InsideSphere.radius_m", "radius is " + to_text(sphere.radius_m) + " m; give one >= 0");
+    for (std::size_t v = 0; v < mask.size(); ++v) mask[v] = (mesh.vertices[v] - sphere.centre_m).norm() <= sphere.radius_m;
+}
+
+void mark(const VolumeMesh&, const VertexList& list, Mask& mask) {
+    for (const std::int32_t v : list.vertices) {
+        if (v < 0 || static_cast<std::size_t>(v) >= mask.size())
+            refuse("VertexList.vertices", "vertex " + std::to_string(v) + " does not exist; legal are 0 to " +
+                                              std::to_string(static_cast<std::int64_t>(mask.size()) - 1) + " (counted from 0)");
+        mask[v] = 1;
+    }
+}
+
+std::vector<std::int32_t> elements_of_region(const VolumeMesh& mesh, const std::string& name) {
+    std::vector<std::int32_t> elements;
+    for (std::size_t e = 0; e < mesh.element_region.size(); ++e)
+        if (const std::int32_t r = mesh.element_region[e]; r >= 0 && mesh.regions[r].name == name)
+            elements.push_back(static_cast<std::int32_t>(e));
+    return elements;
+}
+
+bool has_region(const VolumeMesh& mesh, const std::string& name) {
+    return std::any_of(mesh.regions.begin(), mesh.regions.end(), [&](const Region& r) { return r.name == name; });
+}
+
+[[noreturn]] void unknown_group(const VolumeMesh& mesh, const std::string& name) {
+    std::vector<std::string> known;
+    for (const VertexGroup& g : mesh.groups) known.push_back(g.name);
+    for (const Region& r : mesh.regions) known.push_back(r.name);
+    std::sort(known.begin(), known.end());
+    known.erase(std::unique(known.begin(), known.end()), known.end());
+    std::string list;
+    for (const std::string& k : known) list += (list.empty() ? "\"" : ", \"") + k + "\"";
+    refuse("InGroup.name", "there is no group \"" + name + "\" in " + (mesh.source.empty() ? "the mesh" : mesh.source) + "; " +
+                               (known.empty() ? "it has no groups, select by box, sphere or vertices" : "it has " + list));
+}
+
+void mark(const VolumeMesh& mesh, const InGroup& group, Mask& mask) {
+    bool found = has_region(mesh, group.name);
+    for (const VertexGroup& g : mesh.groups)
+        if (g.name == group.name) {
+            found = true;
+            mark(mesh, VertexList{g.vertices}, mask);
+        }
+    if (!found) unknown_group(mesh, group.name);
+    const auto tets = static_cast<std::int32_t>(mesh.tets.size());
+    for (const std::int32_t e : elements_of_region(mesh, group.name)) {
+        if (e < tets)
+            for (const std::int32_t v : mesh.tets[e]) mask[v] = 1;
+        else
+            for (const std::int32_t v : mesh.hexes[e - tets]) mask[v] = 1;
+    }
+}
+
+Mask make_mask(const VolumeMesh& mesh, const Selection& selection) {
+    Mask mask(mesh.vertices.size(), 0);
+    std::visit([&](const auto& s) { mark(mesh, s, mask); }, selection);
+    return mask;
+}
+
+}  // namespace
+
+std::vector<std::int32_t> select_vertices(const VolumeMesh& mesh, const Selection& selection) {
+    const Mask mask = make_mask(mesh, selection);
+    std::vector<std::int32_t> out;
+    for (std::size_t v = 0; v < mask.size(); ++v)
+        if (mask[v]) out.push_back(static_cast<std::int32_t>(v));
+    return out;
+}
+
+std::vector<std::int32_t> select_elements(const VolumeMesh& mesh, const Selection& selection) {
+    if (const auto* group = std::get_if<InGroup>(&selection); group && has_region(mesh, group->name))
+        return elements_of_region(mesh, group->name);
+    const Mask mask = make_mask(mesh, selection);
+    const auto chosen = [&](std::int32_t v) { return mask[v] != 0; };
+    std::vector<std::int32_t> out;
+    std::int32_t e = 0;
+    for (const Tet& t : mesh.tets) {
+        if (std::all_of(t.begin(), t.end(), chosen)) out.push_back(e);
+        ++e;
+    }
+    for (const Hex& h : mesh.hexes) {
+        if (std::all_of(h.begin(), h.end(), chosen)) out.push_back(e);
+        ++e;
+    }
+    return out;
+}
+
+}  // namespace supple

@@ -1,0 +1,438 @@
+#include "supple/render/renderer.h"
+
+#include <algorithm>
+#include <bit>
+#include <chrono>
+#include <cmath>
+#include <map>
+#include <optional>
+
+#include "supple/base/error.h"
+#include "supple/render/annotations.h"
+#include "supple/render/camera.h"
+#include "supple/render/color_map.h"
+#include "supple/render/shapes.h"
+#include "supple/render/stage.h"
+#include "supple/render/surface_buffers.h"
+#include "supple/render/targets.h"
+
+namespace supple {
+
+using namespace render;
+using Eigen::Vector3f;
+using Eigen::Vector4f;
+
+namespace {
+
+// Texture units, the same for every program.
+constexpr int kShadowUnit = 0, kColorUnit = 1, kGroundShadowUnit = 2, kOcclusionUnit = 3, kUnits = 4;
+
+Vector3f linear_of(const std::array<float, 3>& srgb) {
+    const auto one = [](float c) { return c <= 0.04045f ? c / 12.92f : std::pow((c + 0.055f) / 1.055f, 2.4f); };
+    return {one(srgb[0]), one(srgb[1]), one(srgb[2])};
+}
+
+Vector3f default_color(Look look) {  // linear
+    switch (look) {
+        case Look::tissue: return {0.385f, 0.068f, 0.052f};
+        case Look::rubber: return {0.055f, 0.135f, 0.215f};
+        case Look::gel: return {0.09f, 0.42f, 0.46f};
+        case Look::metal: return {0.56f, 0.57f, 0.58f};
+    }
+    return {0.5f, 0.5f, 0.5f};
+}
+
+/// Whichever caller's colour or position: a picture is no place for surprises.
+void require_finite(const Vec3& p, const std::string& where) {
+    if (!p.allFinite()) throw Error(ErrorCode::invalid_argument, where, "is not finite");
+}
+
+void require_legal(const RendererDef& def, int most_samples, int largest) {
+    const int size_limit = std::min(largest, 16384);
+    require_in_range(def.width, 16, size_limit, "RendererDef.width");
+    require_in_range(def.height, 16, size_limit, "RendererDef.height");
+    if (def.samples != 0) require_in_range(def.samples, 2, most_samples, "RendererDef.samples", "or 0 for none; the driver sets the upper limit");
+    require_in_range(def.shadow_map_size, 128, 8192, "RendererDef.shadow_map_size");
+    if (!std::has_single_bit(unsigned(def.shadow_map_size)))
+        throw Error(ErrorCode::invalid_argument, "RendererDef.shadow_map_size", std::to_string(def.shadow_map_size) + " is not a power of two; 1024 is a good one");
+}
+
+void require_context() {
+    // epoxy ends the process if asked for a function without any context; its version query is the one safe question.
+    if (epoxy_gl_version() < 33 || !epoxy_is_desktop_gl())
+        throw Error(ErrorCode::no_display, "Renderer", "needs a current context of OpenGL 3.3 or later, core profile: make a HeadlessContext first");
+}
+
+double ms_since(std::chrono::steady_clock::time_point start) {
+    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+}
+
+}  // namespace
+
+struct Renderer::Impl {
+    RendererDef def;
+    std::optional<Targets> targets;
+    std::optional<ShadowTargets> shadow;
+    std::map<std::string, Program> surface_programs;  // by their defines
+    Program depth_program{"depth.vert", "depth.frag"};
+    Program ground_shadow_program{"fullscreen.vert", "ground_shadow.frag"};
+    Program ground_program{"ground.vert", "ground.frag"};
+    Program backdrop_program{"fullscreen.vert", "backdrop.frag"};
+    Program line_program{"lines.vert", "lines.frag"};
+    Overlay overlay;
+
+    Buffer frame_uniforms;
+    Texture color_table, ground_openness;
+    std::string color_table_name;
+    VertexArray no_attributes, line_array;
+    Buffer line_buffer;
+
+    std::vector<SurfaceBuffers> surfaces;
+    Shapes shapes;
+    OcclusionGrid occlusion;
+    std::vector<std::uint8_t> ground_light;
+    std::vector<Vector3f> outline;
+
+    explicit Impl(const RendererDef& d) : def(d) {
+        GLint samples = 0, largest = 0;
+        glGetIntegerv(GL_MAX_SAMPLES, &samples);
+        glGetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &largest);
+        require_legal(def, samples, largest);
+        targets.emplace(def.width, def.height, def.samples);
+        shadow.emplace(def.shadow_map_size);
+        for (const Texture* t : {&color_table, &ground_openness}) {
+            glBindTexture(GL_TEXTURE_2D, t->get());
+            glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+            glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+            glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+            glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+            glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
+        }
+        glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+        const std::uint8_t open = 255;
+        glTexImage2D(GL_TEXTURE_2D, 0, GL_R8, 1, 1, 0, GL_RED, GL_UNSIGNED_BYTE, &open);
+        require_no_gl_error("Renderer");
+    }
+
+    // ---- what a frame is made of ----
+
+    struct Scene {
+        Vector3f low = Vector3f::Constant(1e30f), high = Vector3f::Constant(-1e30f);  // of all that casts a shadow
+        bool mapped = false;
+    };
+
+    Scene prepare(const FrameView& view, const SceneFrame& frame) {
+        Scene scene;
+        surfaces.resize(view.surfaces.size());
+        for (std::size_t i = 0; i < surfaces.size(); ++i) {
+            surfaces[i].prepare(view.surfaces[i], frame, "FrameView.surfaces[" + std::to_string(i) + "]");
+            for (const SurfaceVertex& v : surfaces[i].vertices()) {
+                scene.low = scene.low.cwiseMin(v.position);
+                scene.high = scene.high.cwiseMax(v.position);
+            }
+            scene.mapped |= !view.surfaces[i].scalar.empty();
+        }
+        if (scene.mapped && !view.scale)
+            throw Error(ErrorCode::invalid_argument, "FrameView.scale", "is empty, but a surface has a scalar; say which colours its values take");
+        if (scene.mapped && !(std::isfinite(view.scale->low) && std::isfinite(view.scale->high) && view.scale->low < view.scale->high))
+            throw Error(ErrorCode::invalid_argument, "FrameView.scale",
+                        "low = " + to_text(view.scale->low) + ", high = " + to_text(view.scale->high) + "; low < high is needed, both finite");
+        add_shapes(view, frame, scene);
+        if (!(scene.low.array() <= scene.high.array()).all()) {  // nothing but the studio
+            scene.low.setConstant(-0.1f);
+            scene.high.setConstant(0.1f);
+        }
+        return scene;
+    }
+
+    void add_shapes(const FrameView& view, const SceneFrame& frame, Scene& scene) {
+        shapes.clear();
+        for (std::size_t i = 0; i < view.markers.size(); ++i) {
+            const MarkerView& m = view.markers[i];
+            const std::string where = "FrameView.markers[" + std::to_string(i) + "]";
+            require_finite(m.centre_m, where + ".centre_m");
+            if (!(m.radius_m > 0 && std::isfinite(m.radius_m)))
+                throw Error(ErrorCode::invalid_argument, where + ".radius_m", to_text(m.radius_m) + " is not a positive length");
+            const Vector3f centre = frame.point(m.centre_m);
+            const float radius = frame.length(m.radius_m);
+            shapes.add_sphere(centre, radius, linear_of(m.color));
+            scene.low = scene.low.cwiseMin((centre.array() - radius).matrix());
+            scene.high = scene.high.cwiseMax((centre.array() + radius).matrix());
+        }
+        const Vector3f eye = frame.point(view.camera.eye_m);
+        const float half = std::tan(float(view.camera.fov_deg) * 3.14159265f / 360);
+        for (std::size_t i = 0; i < view.arrows.size(); ++i) {
+            const ArrowView& a = view.arrows[i];
+            const std::string where = "FrameView.arrows[" + std::to_string(i) + "]";
+            require_finite(a.from_m, where + ".from_m");
+            require_finite(a.to_m, where + ".to_m");
+            const Vector3f from = frame.point(a.from_m), to = frame.point(a.to_m);
+            // As wide on the picture wherever it stands: an arrow is an annotation, its length is the number.
+            const float width = 0.021f * half * (0.5f * (from + to) - eye).norm();
+            shapes.add_arrow(from, to, width, linear_of(a.color));
+        }
+    }
+
+    void occlude(const Scene& scene, const Stage& stage, FrameUniforms& uniforms) {
+        if (!def.ambient_occlusion || surfaces.empty()) return;
+        occlusion.reset(scene.low, scene.high);
+        for (const SurfaceBuffers& s : surfaces) s.add_to(occlusion);
+        occlusion.finish();
+        for (SurfaceBuffers& s : surfaces) s.occlude(occlusion);
+        if (!stage.has_ground) return;
+        occlusion.ground(stage.ground_height, ground_light);
+        const Eigen::Vector2f low = occlusion.ground_low(), size = occlusion.ground_high() - low;
+        uniforms.ground_occlusion = {low.x(), low.y(), 1 / size.x(), 1 / size.y()};
+        glActiveTexture(GL_TEXTURE0 + kOcclusionUnit);
+        glBindTexture(GL_TEXTURE_2D, ground_openness.get());
+        glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+        glTexImage2D(GL_TEXTURE_2D, 0, GL_R8, OcclusionGrid::kGroundSize, OcclusionGrid::kGroundSize, 0, GL_RED, GL_UNSIGNED_BYTE, ground_light.data());
+    }
+
+    // ---- passes ----
+
+    /// Makes a program with the units and the block it needs current.
+    void use(const Program& program) const {
+        program.use();
+        program.set("shadow_map", kShadowUnit);
+        program.set("shadow_depth", kShadowUnit);
+        program.set("color_table", kColorUnit);
+        program.set("ground_shadow", kGroundShadowUnit);
+        program.set("occlusion", kOcclusionUnit);
+    }
+
+    const Program& surface_program(const std::string& defines) {
+        const auto found = surface_programs.find(defines);
+        if (found != surface_programs.end()) return found->second;
+        return surface_programs.emplace(defines, Program("surface.vert", "surface.frag", defines)).first->second;
+    }
+
+    void draw_shadows(const Stage& stage) {
+        shadow->bind_map();
+        glEnable(GL_POLYGON_OFFSET_FILL);
+        glPolygonOffset(1.5f, 2.0f);
+        depth_program.use();
+        depth_program.set("to_light", stage.to_light);
+        for (const SurfaceBuffers& s : surfaces) s.draw();
+        if (!shapes.empty()) shapes.draw_casters();
+        glDisable(GL_POLYGON_OFFSET_FILL);
+        if (!stage.has_ground) return;
+        shadow->bind_ground();
+        shadow->use_map_depth(kShadowUnit);
+        use(ground_shadow_program);
+        ground_shadow_program.set("ground_depth", stage.ground_depth());
+        glDisable(GL_DEPTH_TEST);
+        glBindVertexArray(no_attributes.get());
+        glDrawArrays(GL_TRIANGLES, 0, 3);
+        glEnable(GL_DEPTH_TEST);
+        shadow->finish_ground();
+        shadow->use_ground(kGroundShadowUnit);
+    }
+
+    void use_color_table(const ColorScale& scale) {
+        glActiveTexture(GL_TEXTURE0 + kColorUnit);
+        glBindTexture(GL_TEXTURE_2D, color_table.get());
+        if (color_table_name == scale.map) return;
+        const ColorTable& table = color_map(scale.map);
+        glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+        glTexImage2D(GL_TEXTURE_2D, 0, GL_SRGB8, GLsizei(table.size()), 1, 0, GL_RGB, GL_UNSIGNED_BYTE, table.data());
+        color_table_name = scale.map;
+    }
+
+    void draw_surfaces(const FrameView& view) {
+        shadow->use_map_compared(kShadowUnit);
+        for (std::size_t i = 0; i < surfaces.size(); ++i) {
+            const SurfaceView& s = view.surfaces[i];
+            const bool mapped = !s.scalar.empty(), grain = !mapped && s.look == Look::tissue && surfaces[i].has_grain();
+            const Program& program =
+                surface_program("LOOK=" + std::to_string(int(s.look)) + (mapped ? " MAPPED" : "") + (grain ? " GRAIN" : ""));
+            use(program);
+            if (mapped) {
+                use_color_table(*view.scale);
+                program.set("value_range", Eigen::Vector2f(float(view.scale->low), float(1 / (view.scale->high - view.scale->low))));
+            }
+            const Vector3f color = s.color ? linear_of(*s.color) : default_color(s.look);
+            glVertexAttrib3f(3, color.x(), color.y(), color.z());
+            surfaces[i].draw();
+        }
+        if (shapes.empty()) return;
+        use(surface_program("LOOK=4"));
+        shapes.draw();
+    }
+
+    void draw_studio(const Stage& stage) {
+        if (stage.has_ground) {
+            use(ground_program);
+            ground_program.set("half_width", 1.5f * stage.ground_radius);
+            glBindVertexArray(no_attributes.get());
+            glDrawArrays(GL_TRIANGLE_STRIP, 0, 4);
+        }
+        use(backdrop_program);
+        backdrop_program.set("forward", stage.forward);
+        backdrop_program.set("right", stage.right);
+        backdrop_program.set("above", stage.above);
+        glBindVertexArray(no_attributes.get());
+        glDepthFunc(GL_LEQUAL);
+        glDrawArrays(GL_TRIANGLES, 0, 3);
+        glDepthFunc(GL_LESS);
+    }
+
+    void draw_lines(const FrameView& view, const SceneFrame& frame, const Stage& stage) {
+        outline.clear();
+        bool any = false;
+        for (std::size_t i = 0; i < surfaces.size(); ++i) {
+            surfaces[i].append_rest_outline(view.surfaces[i], frame, stage.eye, outline);
+            any |= surfaces[i].has_edges();
+        }
+        if (!any && outline.empty()) return;
+        glEnable(GL_BLEND);
+        glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
+        glDepthMask(GL_FALSE);
+        use(line_program);
+        line_program.set("pull", 0.0025f);
+        line_program.set("color", Vector4f(0.012f, 0.014f, 0.018f, 0.42f));
+        for (const SurfaceBuffers& s : surfaces)
+            if (s.has_edges()) s.draw_edges();
+        if (!outline.empty()) {
+            glBindVertexArray(line_array.get());
+            upload_buffer(GL_ARRAY_BUFFER, line_buffer, std::span<const Vector3f>(outline), GL_STREAM_DRAW);
+            glEnableVertexAttribArray(0);
+            glVertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, 0, nullptr);
+            line_program.set("color", Vector4f(0.80f, 0.86f, 0.94f, 0.40f));
+            glDrawArrays(GL_LINES, 0, GLsizei(outline.size()));
+        }
+        glDepthMask(GL_TRUE);
+        glDisable(GL_BLEND);
+    }
+
+    void set_state() {
+        glDisable(GL_BLEND);
+        glDisable(GL_CULL_FACE);
+        glDisable(GL_SCISSOR_TEST);
+        glDisable(GL_STENCIL_TEST);
+        glDisable(GL_POLYGON_OFFSET_FILL);
+        glEnable(GL_MULTISAMPLE);
+        glEnable(GL_DEPTH_TEST);
+        glDepthFunc(GL_LESS);
+        glDepthMask(GL_TRUE);
+        glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+        glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
+        glBindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
+        glEnable(GL_FRAMEBUFFER_SRGB);
+        for (GLuint unit = 0; unit < kUnits; ++unit) glBindSampler(unit, 0);
+    }
+
+    void leave() {
+        for (GLuint unit = 0; unit < kUnits; ++unit) glBindSampler(unit, 0);
+        glBindVertexArray(0);
+        glUseProgram(0);
+        glBindFramebuffer(GL_FRAMEBUFFER, 0);
+    }
+
+    DrawReport draw(const FrameView& view) {
+        auto start = std::chrono::steady_clock::now();
+        DrawReport report;
+        supple::require_legal(view.camera);
+        if (view.scale) color_map(view.scale->map);  // an unknown name is refused before anything is drawn
+        const SceneFrame frame(view.camera);
+        set_state();
+        const Scene scene = prepare(view, frame);
+        const Stage stage(view, frame, scene.low, scene.high, float(def.width) / float(def.height), def.shadow_map_size);
+        FrameUniforms uniforms = stage.uniforms(def.height, shadow->size(), shadow->ground_size());
+        occlude(scene, stage, uniforms);
+        for (SurfaceBuffers& s : surfaces) {
+            s.upload();
+            report.triangles += s.triangle_count();
+        }
+        shapes.upload();
+        upload_buffer(GL_UNIFORM_BUFFER, frame_uniforms, std::span<const FrameUniforms>(&uniforms, 1), GL_STREAM_DRAW);
+        glBindBufferBase(GL_UNIFORM_BUFFER, 0, frame_uniforms.get());  // every block is bound to point 0 from the start
+        report.prepare_ms = ms_since(start);
+
+        start = std::chrono::steady_clock::now();
+        draw_shadows(stage);
+        targets->bind_scene();
+        glClear(GL_DEPTH_BUFFER_BIT);  // the backdrop covers all the colour
+        draw_surfaces(view);
+        draw_studio(stage);
+        draw_lines(view, frame, stage);
+        targets->resolve();
+        glDisable(GL_DEPTH_TEST);
+        glDisable(GL_FRAMEBUFFER_SRGB);  // text is designed in sRGB, and blended as every other program does it
+        annotate(overlay, view, scene.mapped, def.width, def.height);
+        overlay.draw();
+        leave();
+        report.draw_ms = ms_since(start);
+        require_no_gl_error("Renderer.draw");
+        return report;
+    }
+};
+
+Renderer::Renderer(const RendererDef& def) {
+    require_context();
+    impl_ = std::make_unique<Impl>(def);
+}
+Renderer::~Renderer() = default;
+Renderer::Renderer(Renderer&&) noexcept = default;
+Renderer& Renderer::operator=(Renderer&&) noexcept = default;
+
+DrawReport Renderer::draw(const FrameView& view) { return impl_->draw(view); }
+
+void Renderer::read_pixels(Image& into) const {
+    const int w = impl_->def.width, h = impl_->def.height;
+    const std::size_t row = std::size_t(w) * 4;
+    // Four channels, because every driver has a short way for them.
+    thread_local std::vector<std::uint8_t> rgba;
+    rgba.resize(row * std::size_t(h));
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, impl_->targets->result());
+    glPixelStorei(GL_PACK_ALIGNMENT, 4);
+    glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
+    glReadPixels(0, 0, w, h, GL_RGBA, GL_UNSIGNED_BYTE, rgba.data());
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, 0);
+    require_no_gl_error("Renderer.read_pixels");
+    into.width = w;
+    into.height = h;
+    into.rgb.resize(std::size_t(w) * std::size_t(h) * 3);
+    std::uint8_t* out = into.rgb.data();
+    for (int y = h - 1; y >= 0; --y) {  // OpenGL counts from below
+        const std::uint8_t* in = rgba.data() + row * std::size_t(y);
+        for (int x = 0; x < w; ++x, in += 4, out += 3) {
+            out[0] = in[0];
+            out[1] = in[1];
+            out[2] = in[2];
+        }
+    }
+}
+
+Image Renderer::read_pixels() const {
+    Image image;
+    read_pixels(image);
+    return image;
+}
+
+void Renderer::blit_to(unsigned framebuffer, int width, int height) const {
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, impl_->targets->result());
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffer);
+    glDisable(GL_FRAMEBUFFER_SRGB);
+    const bool same = width == impl_->def.width && height == impl_->def.height;
+    glBlitFramebuffer(0, 0, impl_->def.width, impl_->def.height, 0, 0, width, height, GL_COLOR_BUFFER_BIT, same ? GL_NEAREST : GL_LINEAR);
+    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+}
+
+void Renderer::resize(int width, int height) {
+    RendererDef def = impl_->def;
+    if (def.width == width && def.height == height) return;
+    def.width = width;
+    def.height = height;
+    GLint samples = 0, largest = 0;
+    glGetIntegerv(GL_MAX_SAMPLES, &samples);
+    glGetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &largest);
+    require_legal(def, samples, largest);
+    impl_->targets.emplace(width, height, def.samples);
+    impl_->def = def;
+}
+
+int Renderer::width() const { return impl_->def.width; }
+int Renderer::height() const { return impl_->def.height; }
+
+}  // namespace supple

@@ -1,0 +1,41 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "supple/base/aligned.h"
+
+namespace supple::solve {
+
+/// Sparsity of a symmetric matrix of 3x3 blocks, rows sorted, the diagonal always present; built once per mesh.
+struct Bsr3Pattern {
+    std::size_t rows = 0;
+    std::vector<std::int32_t> row_start;  ///< [row + 1]
+    std::vector<std::int32_t> column;     ///< [block]
+    std::vector<std::int32_t> diagonal;   ///< [row] block index of (row, row)
+    std::vector<std::int32_t> mirror;     ///< [block] index of the transposed block
+    std::size_t blocks() const { return column.size(); }
+};
+
+/// Which element pairs make up each block on or above the diagonal: assembly as a gather, deterministic and without atomics.
+struct GatherMap {
+    std::vector<std::int64_t> start;       ///< [block + 1]; empty ranges below the diagonal
+    std::vector<std::uint32_t> pair;       ///< element * 16 + corner_of_row * 4 + corner_of_column, elements ascending
+};
+
+/// Pattern and gather map of elements with four vertices. At most 2^28 elements.
+Bsr3Pattern make_pattern(std::size_t rows, std::span<const std::array<std::int32_t, 4>> elements);
+GatherMap make_gather_map(const Bsr3Pattern& pattern, std::span<const std::array<std::int32_t, 4>> elements);
+
+/// Rows per chunk of every loop over rows: fixed, so that sums are the same for any number of threads.
+inline constexpr std::size_t kRowChunk = 512;
+
+/// Values of a matrix: [block][column 0..2][x y z 0]; the pad makes a column one register.
+template <class Real>
+struct Bsr3 {
+    const Bsr3Pattern* pattern = nullptr;
+    AlignedVector<Real> value;
+};
+
+}  // namespace supple::solve

@@ -1,0 +1,58 @@
+#pragma once
+#include <memory>
+#include <span>
+
+#include "supple/base/function_ref.h"
+#include "supple/solve/preconditioner.h"
+
+namespace supple::solve {
+
+struct LinearSolveDef {
+    double target = 0;             ///< stop at |r| <= target, in float64
+    int max_iterations = 2000;     ///< over all passes
+};
+
+struct LinearSolveResult {
+    int iterations = 0;
+    double residual = 0;           ///< |b - A x|, from the true float64 residual
+    bool converged = false;
+    bool stalled = false;          ///< a pass no longer lowers the true residual: the precision of the matrix is used up
+};
+
+/// Solves A x = b for a symmetric positive definite A by preconditioned conjugate gradients inside iterative refinement.
+///
+/// The matrix, its vectors and the recurrence are Real (float32 or float64); x, b and the residual that decides are float64 and
+/// the residual is evaluated by the caller's own operator, so it does not share the rounding of the matrix. Each pass solves A d = r to what is
+/// missing, adds d to x and looks at the true residual again.
+template <class Real>
+class LinearSolver {
+public:
+    LinearSolver(std::size_t rows, Isa isa);
+
+    /// @param A             matrix of the current step; held rows and columns are identity
+    /// @param b             [row] right-hand side, zero on held rows
+    /// @param guesses       up to two earlier solutions, newest first (zero on held rows): the start is the best of 0, g0 and 2 g0 - g1
+    /// @param x             out; what it holds on entry is added to the solution (held rows: their prescribed values)
+    /// @param true_residual writes b - A x in float64 into its second argument; must be zero on held rows
+    LinearSolveResult solve(Team& team, const Bsr3<Real>& A, std::span<const AppendedRow> appended, Preconditioner<Real>& preconditioner,
+                            std::span<const Vec3> b, std::span<const std::span<const Vec3>> guesses, const LinearSolveDef& def,
+                            FunctionRef<void(const Vec3* x, Vec3* r)> true_residual, std::span<Vec3> x, std::span<Vec3> residual);
+
+    /// y = (A + appended) x; returns x . y.  [row][x y z 0]
+    double multiply(Team& team, const Bsr3<Real>& A, std::span<const AppendedRow> appended, const Real* x, Real* y);
+
+private:
+    void warm_start(Team& team, const Bsr3<Real>& A, std::span<const AppendedRow> appended,
+                    std::span<const std::span<const Vec3>> guesses, std::span<Vec3> x);
+    int conjugate_gradients(Team& team, const Bsr3<Real>& A, std::span<const AppendedRow> appended, Preconditioner<Real>& preconditioner,
+                            double target, int max_iterations);
+    void import(Team& team, std::span<const Vec3> from, Real* to) const;
+    double square(Team& team, const Real* v);
+
+    const Bsr3Kernels<Real>& kernels_;
+    std::size_t rows_;
+    AlignedVector<Real> d_, r_, p_, q_, z_;  ///< [row][x y z 0]
+    std::vector<double> partial_;
+};
+
+}  // namespace supple::solve

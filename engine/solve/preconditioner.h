@@ -1,0 +1,47 @@
+#pragma once
+#include <cstdint>
+#include <span>
+
+#include "supple/base/parallel.h"
+#include "supple/math/types.h"
+#include "supple/solve/bsr3.h"
+#include "supple/solve/bsr3_kernels.h"
+
+namespace supple::solve {
+
+/// A compliant coupling that lives beside the matrix, never in its pattern: adds J^T K J with (J x)_c = sum_i weight_i,c x_row(i),c.
+/// Drag springs, contacts and attachments enter the system so.
+struct AppendedRow {
+    std::span<const std::int32_t> row;
+    std::span<const Vec3> weight;    ///< per row and coordinate; zero where the coordinate is held
+    Mat3 stiffness = Mat3::Zero();   ///< symmetric positive semidefinite
+};
+
+/// z = P^-1 r for conjugate gradients: symmetric positive definite, the same in every call between two updates.
+template <class Real>
+class Preconditioner {
+public:
+    virtual ~Preconditioner() = default;
+    /// Takes in a matrix whose values have changed.
+    virtual void update(Team& team, const Bsr3<Real>& A, std::span<const AppendedRow> appended) = 0;
+    /// @param r, z  [row][x y z 0]
+    /// @return      r . z
+    virtual double apply(Team& team, const Real* r, Real* z) = 0;
+};
+
+/// Inverse of each 3x3 diagonal block.
+template <class Real>
+class BlockJacobi final : public Preconditioner<Real> {
+public:
+    BlockJacobi(std::size_t rows, Isa isa);
+    void update(Team& team, const Bsr3<Real>& A, std::span<const AppendedRow> appended) override;
+    double apply(Team& team, const Real* r, Real* z) override;
+
+private:
+    const Bsr3Kernels<Real>& kernels_;
+    std::size_t rows_;
+    AlignedVector<Real> inverse_;   ///< [row][column][x y z 0]
+    std::vector<double> partial_;
+};
+
+}  // namespace supple::solve

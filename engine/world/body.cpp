@@ -1,0 +1,150 @@
+#include "supple/world/body.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "supple/base/error.h"
+#include "supple/fem/rest.h"
+#include "supple/fem/stress.h"
+#include "supple/solve/chunked_sum.h"
+
+namespace supple {
+
+template <class Real>
+System<Real>::System(const TemplateData& data, Isa isa)
+    : record(data.rest.blocks() * fem::kBlock * fem::kRecord),
+      A{&data.pattern, AlignedVector<Real>(data.pattern.blocks() * 12)},
+      preconditioner(std::make_unique<solve::BlockJacobi<Real>>(data.pattern.rows, isa)),
+      solver(data.pattern.rows, isa) {}
+
+template struct System<float>;
+template struct System<double>;
+
+fem::ElementSet element_set(const Body& body, Isa isa) {
+    return {body.data().rest, body.data().corners, body.moduli, fem::tet4_kernels(isa)};
+}
+
+namespace {
+
+[[noreturn]] void bad_body(const std::string& field, const std::string& message) {
+    throw Error(ErrorCode::invalid_argument, "BodyDef." + field, message);
+}
+
+std::vector<Lame> lame_of(const BodyDef& def, std::size_t elements) {
+    const Corotational& material = std::get<Corotational>(def.material);
+    const bool per_element = !def.young_pa_per_element.empty() || !def.poisson_per_element.empty();
+    if (!per_element) return {lame_parameters(material.young_pa, material.poisson, "BodyDef.material")};
+    const auto check = [&](const std::vector<double>& values, const char* name) {
+        if (!values.empty() && values.size() != elements) {
+            bad_body(name, "has " + std::to_string(values.size()) + " values, the mesh has " + std::to_string(elements) +
+                               " elements; give one per element in mesh order, or none");
+        }
+    };
+    check(def.young_pa_per_element, "young_pa_per_element");
+    check(def.poisson_per_element, "poisson_per_element");
+    std::vector<Lame> lame(elements);
+    for (std::size_t e = 0; e < elements; ++e) {
+        lame[e] = lame_parameters(def.young_pa_per_element.empty() ? material.young_pa : def.young_pa_per_element[e],
+                                  def.poisson_per_element.empty() ? material.poisson : def.poisson_per_element[e],
+                                  "BodyDef, element " + std::to_string(e));
+    }
+    return lame;
+}
+
+void size_workspace(Workspace& w, const TemplateData& data) {
+    const std::size_t n = data.rest.vertices;
+    w.corner.resize(data.rest.blocks() * fem::kBlock * 16);
+    for (auto* field : {&w.y, &w.v0, &w.f_ext, &w.b, &w.rhs, &w.free_rhs, &w.dv, &w.residual, &w.product}) field->assign(n, Vec3::Zero());
+    w.diagonal.resize(n);
+    w.partial.resize(solve::row_chunks(n));
+}
+
+}  // namespace
+
+std::unique_ptr<Body> make_body(const BodyDef& def, const WorldDef& world, std::size_t index, Isa isa) {
+    if (!def.shape) bad_body("shape", "is null; make one with BodyTemplate::build(mesh)");
+    if (!(std::isfinite(def.density_kg_m3) && def.density_kg_m3 > 0)) {
+        bad_body("density_kg_m3", to_text(def.density_kg_m3) + " must be above 0; water and soft tissue have about 1000");
+    }
+    if (!def.translation_m.allFinite()) bad_body("translation_m", "is not finite");
+    if (!def.velocity_m_s.allFinite()) bad_body("velocity_m_s", "is not finite");
+
+    auto body = std::make_unique<Body>();
+    body->def = def;
+    body->name = def.name.empty() ? "body " + std::to_string(index) : def.name;
+    body->shape = def.shape;
+    const TemplateData& data = body->data();
+    const std::size_t n = data.rest.vertices;
+    body->moduli = fem::make_moduli(data.rest, lame_of(def, data.rest.elements));
+    body->mass = fem::lumped_mass(data.rest, def.density_kg_m3);
+    body->stiffness_trace = fem::stiffness_trace(data.rest, body->moduli);
+    body->laplacian.assign(data.pattern.blocks(), 0.0);
+    for (std::size_t b = 0; b < data.pattern.blocks(); ++b) {
+        for (std::int64_t i = data.gather.start[b]; i < data.gather.start[b + 1]; ++i) {
+            body->laplacian[b] += fem::laplacian_entry(data.rest, body->moduli, data.gather.pair[std::size_t(i)]);
+        }
+    }
+    body->owner.assign(3 * n, kFree);
+    for (std::size_t i = 0; i < n; ++i) {
+        if (body->mass[i] == 0) std::fill_n(body->owner.begin() + std::ptrdiff_t(3 * i), 3, kHeld);  // a vertex of no element
+    }
+
+    BodyState& s = body->state;
+    s.x = data.mesh.vertices;
+    for (Vec3& x : s.x) x += def.translation_m;
+    s.v.assign(n, def.velocity_m_s);
+    s.x_previous = s.x;
+    for (auto* field : {&s.dv1, &s.dv2, &s.reaction}) field->assign(n, Vec3::Zero());
+    s.quaternion.assign(data.rest.blocks() * 4 * fem::kBlock, 0.0);
+    for (std::size_t b = 0; b < data.rest.blocks(); ++b) std::fill_n(s.quaternion.begin() + std::ptrdiff_t(b * 4 * fem::kBlock), fem::kBlock, 1.0);
+    s.frozen.assign(1, 0);
+    body->start = s;
+
+    size_workspace(body->work, data);
+    if (world.solver.precision == Precision::single) {
+        body->system.emplace<System<float>>(data, isa);
+    } else {
+        body->system.emplace<System<double>>(data, isa);
+    }
+    return body;
+}
+
+void update_stress(const Body& body, Isa isa, int threads) {
+    StressCache& s = body.stress;
+    if (s.valid) return;
+    const TemplateData& data = body.data();
+    const std::size_t elements = data.rest.elements, vertices = data.rest.vertices;
+    s.element.resize(elements);
+    s.element_von_mises.resize(elements);
+    s.vertex.resize(vertices);
+    s.vertex_von_mises.resize(vertices);
+    s.block_stress.resize(data.rest.blocks() * 6 * fem::kBlock);
+    s.block_energy.resize(data.rest.blocks() * fem::kBlock);
+    s.quaternion = body.state.quaternion;  // a copy: looking at the stress must not change what the next step does
+
+    with_team(elements < kMinElementsForThreads ? 1 : threads, [&](Team& team) {
+        fem::Tet4Pass pass;
+        pass.position = body.state.x.data()->data();
+        pass.quaternion = s.quaternion.data();
+        pass.stress = s.block_stress.data();
+        pass.energy = s.block_energy.data();
+        fem::run_elements(team, element_set(body, isa), pass);
+        team.for_range(elements, 512, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t e = begin; e < end; ++e) {
+                for (std::size_t c = 0; c < 6; ++c) s.element[e][c] = s.block_stress[(e / fem::kBlock * 6 + c) * fem::kBlock + e % fem::kBlock];
+                s.element_von_mises[e] = fem::von_mises(s.element[e]);
+            }
+        });
+        team.for_range(vertices, 512, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t v = begin; v < end; ++v) {
+                s.vertex[v] = fem::recover_at_vertex(data.corners, data.rest.volume, s.element, v);
+                s.vertex_von_mises[v] = fem::von_mises(s.vertex[v]);
+            }
+        });
+    });
+    s.energy_j = 0;
+    for (const double w : s.block_energy) s.energy_j += w;
+    s.valid = true;
+}
+
+}  // namespace supple

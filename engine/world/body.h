@@ -1,0 +1,138 @@
+#pragma once
+#include <memory>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "supple/fem/element_passes.h"
+#include "supple/solve/linear_solver.h"
+#include "supple/world/template_data.h"
+#include "supple/world/world.h"
+
+namespace supple {
+
+// Below this many elements the hand-over between threads costs more than it saves.
+inline constexpr std::size_t kMinElementsForThreads = 1500;
+
+/// Everything of one body that moves. Snapshot, restore, reset and hash iterate this list, so nothing is forgotten.
+struct BodyState {
+    std::vector<Vec3> x, v;           ///< positions [m], velocities [m/s]
+    std::vector<Vec3> x_previous;     ///< positions before the last step
+    std::vector<Vec3> dv1, dv2;       ///< velocity change of the last step and the one before: warm starts
+    std::vector<Vec3> reaction;       ///< of supports, last step [N]
+    AlignedVector<double> quaternion; ///< [block][w x y z][lane] element rotations: warm start
+    std::vector<std::uint8_t> frozen; ///< one entry: 1 after containment
+
+    template <class Self, class F>
+    static void for_each_field(Self& s, F&& f) {
+        f("positions", s.x);
+        f("velocities", s.v);
+        f("previous positions", s.x_previous);
+        f("warm start", s.dv1);
+        f("older warm start", s.dv2);
+        f("reactions", s.reaction);
+        f("element rotations", s.quaternion);
+        f("frozen flag", s.frozen);
+    }
+};
+
+/// A load made ready: force on vertex[i] = weight[i] * value(t).
+struct PreparedLoad {
+    std::vector<std::int32_t> vertex;
+    std::vector<double> weight;
+    Timeline<Vec3> value;
+};
+
+/// Matrix and solver of one body in one precision.
+template <class Real>
+struct System {
+    using Scalar = Real;
+    System(const TemplateData& data, Isa isa);
+
+    AlignedVector<Real> record;  ///< element records (fem/tet4.h)
+    solve::Bsr3<Real> A;
+    std::unique_ptr<solve::Preconditioner<Real>> preconditioner;
+    solve::LinearSolver<Real> solver;
+};
+
+/// What the stages of a step write into; sized once, never part of the state.
+struct Workspace {
+    AlignedVector<double> corner;     ///< [element][corner][x y z 0]
+    std::vector<Vec3> y;              ///< where forces are evaluated
+    std::vector<Vec3> v0;             ///< velocity that the linear solve corrects
+    std::vector<Vec3> f_ext;          ///< gravity and loads
+    std::vector<Vec3> b, rhs, free_rhs;  ///< right-hand side; with drag springs; with held coordinates zeroed
+    std::vector<Vec3> dv, residual, product;
+    std::vector<double> diagonal;     ///< mass part of the matrix
+    std::vector<double> partial;
+};
+
+/// Stress of the current positions, made on request.
+struct StressCache {
+    bool valid = false;
+    std::vector<Voigt> element, vertex;
+    std::vector<double> element_von_mises, vertex_von_mises;
+    AlignedVector<double> quaternion, block_stress, block_energy;
+    double energy_j = 0;
+};
+
+inline constexpr std::int32_t kFree = -1;  ///< owner of a free coordinate
+inline constexpr std::int32_t kHeld = -2;  ///< owner of a coordinate fixed in place; 0.. are prescribed motions
+
+struct Body {
+    BodyDef def;
+    std::string name;
+    std::shared_ptr<const BodyTemplate> shape;
+
+    // Model: constant during a step.
+    AlignedVector<double> moduli;     ///< [block][lambda mu][lane]
+    std::vector<double> laplacian;    ///< [matrix block] sum of mu V g_a.g_b
+    std::vector<double> mass;         ///< [vertex]
+    std::vector<double> stiffness_trace;
+    std::vector<std::int32_t> owner;  ///< [vertex * 3 + axis] kFree, kHeld, or an index into motions
+    std::vector<Motion> motions;
+    std::vector<PreparedLoad> loads;
+    std::vector<std::int32_t> held_rows;    ///< matrix rows with a held coordinate of their own or of a neighbour
+    bool supports_changed = true;
+
+    BodyState state, start;
+    Workspace work;
+    std::variant<std::monostate, System<float>, System<double>> system;
+    mutable StressCache stress;
+
+    const TemplateData& data() const { return shape->data(); }
+    std::size_t vertices() const { return mass.size(); }
+    bool is_held(std::size_t vertex, std::size_t axis) const { return owner[vertex * 3 + axis] != kFree; }
+    bool frozen() const { return state.frozen[0] != 0; }
+};
+
+/// A drag spring at work. The weighted mean of a few vertices follows a target.
+struct Drag {
+    std::uint32_t generation = 0;  ///< 0: this slot is empty
+    BodyId body;
+    double stiffness = 0, damping = 0, max_force = 0;
+    std::vector<std::int32_t> vertex;
+    std::vector<double> weight;    ///< sums to one
+    std::vector<Vec3> masked;      ///< weight per coordinate, zero where held; rebuilt with the supports
+    Vec3 offset = Vec3::Zero();    ///< from the weighted mean to the picked point
+    Vec3 target = Vec3::Zero();
+    Vec3 force = Vec3::Zero();
+    // During a step: the row in the system, and what it adds.
+    bool capped = false;
+    Vec3 predicted = Vec3::Zero();
+
+    template <class Points>
+    Vec3 mean(const Points& p) const {
+        Vec3 sum = Vec3::Zero();
+        for (std::size_t i = 0; i < vertex.size(); ++i) sum += weight[i] * p[std::size_t(vertex[i])];
+        return sum;
+    }
+};
+
+/// @error Error(invalid_argument) naming the field of BodyDef
+std::unique_ptr<Body> make_body(const BodyDef& def, const WorldDef& world, std::size_t index, Isa isa);
+fem::ElementSet element_set(const Body& body, Isa isa);
+/// Fills body.stress from the current positions, unless it is valid.
+void update_stress(const Body& body, Isa isa, int threads);
+
+}  // namespace supple

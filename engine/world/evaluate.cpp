@@ -1,0 +1,86 @@
+#include "supple/world/evaluate.h"
+
+#include "supple/base/error.h"
+#include "supple/fem/element_passes.h"
+#include "supple/fem/rest.h"
+#include "supple/fem/stress.h"
+#include "supple/world/template_data.h"
+
+namespace supple {
+
+namespace {
+
+/// One configuration of a shape: moduli, rotations, scratch. The scalar kernels: an evaluation is a reference, not a race.
+struct Configuration {
+    Configuration(const BodyTemplate& shape, const Material& material, std::span<const Vec3> positions) : data(shape.data()) {
+        check(positions, "positions_m");
+        const Corotational& law = std::get<Corotational>(material);
+        const Lame lame = lame_parameters(law.young_pa, law.poisson, "material");
+        moduli = fem::make_moduli(data.rest, std::span(&lame, 1));
+        quaternion.resize(data.rest.blocks() * 4 * fem::kBlock);
+        corner.resize(data.rest.blocks() * fem::kBlock * 16);
+        fem::seed_rotations(team, data.rest, positions, quaternion);
+    }
+
+    void check(std::span<const Vec3> field, const char* what) const {
+        if (field.size() != data.rest.vertices) {
+            throw Error(ErrorCode::invalid_argument, what,
+                        std::to_string(field.size()) + " vectors for a mesh of " + std::to_string(data.rest.vertices) + " vertices");
+        }
+        for (std::size_t i = 0; i < field.size(); ++i) {
+            if (!field[i].allFinite()) throw Error(ErrorCode::invalid_argument, what, "vector " + std::to_string(i) + " is not finite");
+        }
+    }
+    fem::ElementSet set() const { return {data.rest, data.corners, moduli, fem::tet4_kernels(Isa::scalar)}; }
+
+    const TemplateData& data;
+    Team team;
+    AlignedVector<double> moduli, quaternion, corner;
+};
+
+}  // namespace
+
+Evaluation evaluate(const BodyTemplate& shape, const Material& material, std::span<const Vec3> positions_m) {
+    Configuration c(shape, material, positions_m);
+    const std::size_t elements = c.data.rest.elements;
+    AlignedVector<double> energy(c.data.rest.blocks() * fem::kBlock), stress(c.data.rest.blocks() * 6 * fem::kBlock);
+    fem::Tet4Pass pass;
+    pass.position = positions_m.data()->data();
+    pass.quaternion = c.quaternion.data();
+    pass.corner_force = c.corner.data();
+    pass.energy = energy.data();
+    pass.stress = stress.data();
+    fem::run_elements(c.team, c.set(), pass);
+
+    Evaluation result;
+    result.forces_n.resize(positions_m.size());
+    fem::gather(c.team, c.data.corners, c.corner, result.forces_n);
+    for (const double w : energy) result.energy_j += w;
+    result.element_stress_pa.resize(elements);
+    for (std::size_t e = 0; e < elements; ++e) {
+        for (std::size_t k = 0; k < 6; ++k) result.element_stress_pa[e][k] = stress[(e / fem::kBlock * 6 + k) * fem::kBlock + e % fem::kBlock];
+    }
+    result.vertex_stress_pa.resize(positions_m.size());
+    for (std::size_t v = 0; v < positions_m.size(); ++v) {
+        result.vertex_stress_pa[v] = fem::recover_at_vertex(c.data.corners, c.data.rest.volume, result.element_stress_pa, v);
+    }
+    return result;
+}
+
+std::vector<Vec3> force_differential(const BodyTemplate& shape, const Material& material, std::span<const Vec3> positions_m,
+                                     std::span<const Vec3> direction_m) {
+    Configuration c(shape, material, positions_m);
+    c.check(direction_m, "direction_m");
+    fem::Tet4Pass pass;  // polishes the rotations to the last digit
+    pass.position = positions_m.data()->data();
+    pass.quaternion = c.quaternion.data();
+    fem::run_elements(c.team, c.set(), pass);
+    std::vector<Vec3> df(positions_m.size());
+    fem::stiffness_product(c.team, c.set(), c.quaternion.data(), direction_m, c.corner, df);
+    for (Vec3& v : df) v = -v;
+    return df;
+}
+
+double von_mises(const Voigt& cauchy) { return fem::von_mises(cauchy); }
+
+}  // namespace supple

@@ -1,0 +1,39 @@
+#pragma once
+#include "supple/world/body.h"
+
+namespace supple {
+
+struct World::Impl {
+    WorldDef def;
+    Isa isa = best_isa();
+    int threads = 1;
+
+    struct Slot {
+        std::uint32_t generation = 1;
+        std::unique_ptr<Body> body;  ///< null: free
+    };
+    std::vector<Slot> slots;
+    std::vector<std::uint32_t> order;  ///< slots of the living bodies as they were added
+    std::vector<Drag> drags;
+    std::uint32_t next_drag_generation = 1;
+
+    std::uint64_t step = 0;
+    double accumulator_s = 0;
+    std::vector<solve::AppendedRow> appended;  ///< scratch of a step: rows of one body
+
+    Body& body(BodyId id) const;
+    Drag& drag(DragId id);
+    double time_s() const { return double(step) * def.time_step_s; }
+};
+
+/// What the stages of a step share.
+struct StepContext {
+    Team& team;
+    World::Impl& world;
+    StepReport& report;
+    double time_s;  ///< at the end of the step
+};
+
+StepReport do_step(World::Impl& world) noexcept;
+
+}  // namespace supple

@@ -1,0 +1,139 @@
+#include <algorithm>
+#include <cmath>
+
+#include "supple/solve/chunked_sum.h"
+#include "supple/world/stages.h"
+
+namespace supple {
+
+namespace {
+
+using solve::kRowChunk;
+
+/// Force of a drag spring on its patch, at the given positions and velocities.
+Vec3 drag_force(const Drag& drag, const std::vector<Vec3>& x, const std::vector<Vec3>& v) {
+    return drag.stiffness * (drag.target - (drag.mean(x) + drag.offset)) - drag.damping * drag.mean(v);
+}
+
+bool over_cap(const Drag& drag, const Vec3& force) { return drag.max_force > 0 && force.norm() > drag.max_force; }
+
+template <class Visit>
+void for_drags_of(World::Impl& world, BodyId id, Visit&& visit) {
+    for (Drag& drag : world.drags) {
+        if (drag.generation != 0 && drag.body == id) visit(drag);
+    }
+}
+
+/// rhs = b + h F: each drag spring of this body as an implicit spring, or, at its cap, as a load.
+void apply_drags(StepContext& ctx, BodyId id, Body& body) {
+    const double h = ctx.world.def.time_step_s;
+    Workspace& w = body.work;
+    w.rhs = w.b;
+    ctx.world.appended.clear();
+    for_drags_of(ctx.world, id, [&](Drag& drag) {
+        if (!drag.capped) {
+            drag.predicted = drag_force(drag, w.y, w.v0);
+            drag.capped = over_cap(drag, drag.predicted);
+            if (drag.capped) drag.predicted *= drag.max_force / drag.predicted.norm();
+        }
+        for (std::size_t i = 0; i < drag.vertex.size(); ++i) w.rhs[std::size_t(drag.vertex[i])] += h * drag.weight[i] * drag.predicted;
+        if (!drag.capped) ctx.world.appended.push_back({drag.vertex, drag.masked, h * (h * drag.stiffness + drag.damping) * Mat3::Identity()});
+    });
+}
+
+/// After a solve: a spring that ended above its cap becomes a load. True if one did, so that the solve must be repeated.
+bool cap_drags(StepContext& ctx, BodyId id, Body& body) {
+    const double h = ctx.world.def.time_step_s;
+    bool changed = false;
+    for_drags_of(ctx.world, id, [&](Drag& drag) {
+        if (drag.capped) return;
+        const Vec3 end = drag.predicted - (h * drag.stiffness + drag.damping) * drag.mean(body.work.dv);
+        if (!over_cap(drag, end)) return;
+        drag.predicted = end * (drag.max_force / end.norm());
+        drag.capped = changed = true;
+    });
+    return changed;
+}
+
+/// r = rhs - A dv in float64, matrix-free, zero where held; what is left over there is the supports' reaction.
+void true_residual(StepContext& ctx, Body& body, Vec3* r) {
+    const WorldDef& def = ctx.world.def;
+    const double mass = mass_scale(def), stiffness = stiffness_scale(def), inv_h = 1 / def.time_step_s;
+    Workspace& w = body.work;
+    stiffness_product(ctx, body, w.dv);
+    ctx.team.for_range(body.vertices(), kRowChunk, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) r[i] = w.rhs[i] - mass * body.mass[i] * w.dv[i] - stiffness * w.product[i];
+    });
+    for (const solve::AppendedRow& extra : ctx.world.appended) {
+        Vec3 mean = Vec3::Zero();
+        for (std::size_t i = 0; i < extra.row.size(); ++i) mean += extra.weight[i].cwiseProduct(w.dv[std::size_t(extra.row[i])]);
+        const Vec3 force = extra.stiffness * mean;
+        for (std::size_t i = 0; i < extra.row.size(); ++i) r[std::size_t(extra.row[i])] -= extra.weight[i].cwiseProduct(force);
+    }
+    ctx.team.for_range(body.vertices(), kRowChunk, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const Vec3 free = free_part(body, i, r[i]);
+            body.state.reaction[i] = -inv_h * (r[i] - free);
+            r[i] = free;
+        }
+    });
+}
+
+/// Norm of the free part of a vertex field; `also(i)` runs for each vertex on the way.
+template <class Also>
+double free_norm(StepContext& ctx, Body& body, const std::vector<Vec3>& field, Also&& also) {
+    return std::sqrt(solve::sum_over_rows(ctx.team, body.vertices(), body.work.partial, [&](std::size_t begin, std::size_t end) {
+        double sum = 0;
+        for (std::size_t i = begin; i < end; ++i) {
+            const Vec3 free = free_part(body, i, field[i]);
+            also(i, free);
+            sum += free.squaredNorm();
+        }
+        return sum;
+    }));
+}
+
+void report_solve(StepContext& ctx, const solve::LinearSolveResult& result, double scale) {
+    if (result.stalled) ctx.report.flags |= StepFlag::residual_stalled;
+    if (!result.converged && !result.stalled) ctx.report.flags |= StepFlag::iteration_cap;
+    if (scale > 0) ctx.report.cg_relative_residual = std::max(ctx.report.cg_relative_residual, result.residual / scale);
+}
+
+}  // namespace
+
+bool solve_system(StepContext& ctx, BodyId id, Body& body, bool first) {
+    const SolverDef& def = ctx.world.def.solver;
+    Workspace& w = body.work;
+    // A resting body costs nothing: what is a ten-millionth of the load needs no solving.
+    const double floor = 1e-7 * ctx.world.def.time_step_s * free_norm(ctx, body, w.f_ext, [](std::size_t, const Vec3&) {});
+    if (first) for_drags_of(ctx.world, id, [](Drag& drag) { drag.capped = false; });
+    do {
+        apply_drags(ctx, id, body);
+        const double rhs_norm = free_norm(ctx, body, w.rhs, [&](std::size_t i, const Vec3& free) {
+            w.free_rhs[i] = free;
+            w.dv[i] = Vec3::Zero();
+        });
+        solve::LinearSolveDef solve_def;
+        solve_def.target = std::max(def.cg_relative_tolerance * rhs_norm, floor);
+        solve_def.max_iterations = def.cg_max_iterations;
+        const std::span<const Vec3> guesses[2] = {body.state.dv1, body.state.dv2};
+        solve::LinearSolveResult result;
+        with_system(body, [&](auto& system) {
+            system.preconditioner->update(ctx.team, system.A, ctx.world.appended);
+            result = system.solver.solve(
+                ctx.team, system.A, ctx.world.appended, *system.preconditioner, w.free_rhs, std::span(guesses, first ? 2 : 0), solve_def,
+                [&](const Vec3*, Vec3* r) { true_residual(ctx, body, r); }, w.dv, w.residual);
+        });
+        ctx.report.cg_iterations += result.iterations;
+        if (!std::isfinite(result.residual)) return false;
+        report_solve(ctx, result, std::max(rhs_norm, floor / def.cg_relative_tolerance));
+    } while (cap_drags(ctx, id, body));
+    for (std::size_t i = 0; i < body.vertices(); ++i) w.v0[i] += w.dv[i];
+    return true;
+}
+
+void read_drags(World::Impl& world, BodyId id, Body& body) {
+    for_drags_of(world, id, [&](Drag& drag) { drag.force = drag.capped ? drag.predicted : drag_force(drag, body.state.x, body.state.v); });
+}
+
+}  // namespace supple

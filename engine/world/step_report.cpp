@@ -1,0 +1,47 @@
+#include "supple/world/step_report.h"
+
+namespace supple {
+
+std::string_view name(StepFlag one_bit) {
+    switch (one_bit) {
+        case StepFlag::iteration_cap: return "iteration_cap";
+        case StepFlag::residual_stalled: return "residual_stalled";
+        case StepFlag::non_finite: return "non_finite";
+        case StepFlag::frozen: return "frozen";
+        case StepFlag::newton_cap: return "newton_cap";
+        case StepFlag::none: break;
+    }
+    return "none";
+}
+
+std::string_view cure(StepFlag one_bit) {
+    switch (one_bit) {
+        case StepFlag::iteration_cap:
+            return "CG stopped at cg_max_iterations before cg_relative_tolerance: raise the one, loosen the other, or take a smaller time_step_s";
+        case StepFlag::residual_stalled:
+            return "float32 cannot reach cg_relative_tolerance for this stiffness and time step: set precision to \"double\" or loosen the tolerance";
+        case StepFlag::non_finite:
+            return "a body's numbers overflowed; it was put back to the start of the step and frozen: look at its loads and prescribed motions, "
+                   "then reset() or unfreeze() it";
+        case StepFlag::frozen: return "a body frozen by an earlier step waits for reset(), restore() or unfreeze()";
+        case StepFlag::newton_cap: return "Newton stopped at newton_iterations before newton_tolerance: raise the one or loosen the other";
+        case StepFlag::none: break;
+    }
+    return "all is well";
+}
+
+std::string_view name(Stage stage) {
+    switch (stage) {
+        case Stage::guard: return "guard";
+        case Stage::loads: return "loads";
+        case Stage::elements: return "elements";
+        case Stage::assemble: return "assemble";
+        case Stage::solve: return "solve";
+        case Stage::integrate: return "integrate";
+        case Stage::stress: return "stress";
+        case Stage::count_: break;
+    }
+    return "unknown";
+}
+
+}  // namespace supple

@@ -1,0 +1,21 @@
+#pragma once
+#include "supple/fem/corners.h"
+#include "supple/fem/tet4.h"
+#include "supple/mesh/surface.h"
+#include "supple/solve/bsr3.h"
+
+namespace supple {
+
+/// What a BodyTemplate holds: all that depends on the mesh alone.
+struct TemplateData {
+    VolumeMesh mesh;
+    MeshReport report;
+    BoundarySurface boundary;
+    std::vector<std::int32_t> boundary_vertices;  ///< ascending
+    fem::Tet4Rest rest;
+    fem::CornerMap corners;
+    solve::Bsr3Pattern pattern;
+    solve::GatherMap gather;
+};
+
+}  // namespace supple

@@ -1,0 +1,213 @@
+#include "supple/world/world.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "supple/base/hash.h"
+#include "supple/world/impl.h"
+
+namespace supple {
+
+namespace {
+
+template <class T>
+void check_count(const char* field, T value, T low, T high, const char* fix) {
+    if (value >= low && value <= high) return;
+    throw Error(ErrorCode::invalid_argument, std::string("WorldDef.") + field,
+                std::to_string(value) + " is outside [" + std::to_string(low) + ", " + std::to_string(high) + "]; " + fix);
+}
+
+void check(const WorldDef& def) {
+    if (!def.gravity_m_s2.allFinite()) throw Error(ErrorCode::invalid_argument, "WorldDef.gravity_m_s2", "is not finite");
+    require_in_range(def.time_step_s, 1e-9, 1, "WorldDef.time_step_s", "1/60 to 1/1000 s is usual");
+    check_count("threads", def.threads, 0, 256, "0 takes all cores");
+    check_count("max_catch_up_steps", def.max_catch_up_steps, 1, 1000, "4 is usual");
+    const SolverDef& s = def.solver;
+    check_count("solver.newton_iterations", s.newton_iterations, 1, 100, "1 is usual for real time");
+    if (!(s.newton_tolerance >= 0 && s.newton_tolerance < 1)) {
+        throw Error(ErrorCode::invalid_argument, "WorldDef.solver.newton_tolerance", to_text(s.newton_tolerance) + " is outside [0, 1); 0 does every iteration");
+    }
+    if (!(s.cg_relative_tolerance > 0 && s.cg_relative_tolerance < 1)) {
+        throw Error(ErrorCode::invalid_argument, "WorldDef.solver.cg_relative_tolerance",
+                    to_text(s.cg_relative_tolerance) + " is outside (0, 1); 1e-3 for games, 1e-5 for measurements");
+    }
+    check_count("solver.cg_max_iterations", s.cg_max_iterations, 1, 1000000, "2000 is usual");
+    require_in_range(s.rayleigh_mass_1_s, 0, 1e6, "WorldDef.solver.rayleigh_mass_1_s");
+    require_in_range(s.rayleigh_stiffness_s, 0, 1e3, "WorldDef.solver.rayleigh_stiffness_s");
+}
+
+}  // namespace
+
+Body& World::Impl::body(BodyId id) const {
+    if (id.index < slots.size() && slots[id.index].generation == id.generation && slots[id.index].body) return *slots[id.index].body;
+    throw Error(ErrorCode::stale_id, "BodyId",
+                "body {" + std::to_string(id.index) + ", " + std::to_string(id.generation) + "} is not in this world: it was removed, or never added");
+}
+
+World::World(const WorldDef& def) : impl_(std::make_unique<Impl>()) {
+    check(def);
+    impl_->def = def;
+    impl_->threads = def.threads == 0 ? hardware_threads() : def.threads;
+}
+
+World::~World() = default;
+World::World(World&&) noexcept = default;
+World& World::operator=(World&&) noexcept = default;
+
+BodyId World::add_body(const BodyDef& def) {
+    Impl& w = *impl_;
+    std::uint32_t slot = 0;
+    while (slot < w.slots.size() && w.slots[slot].body) ++slot;
+    auto body = make_body(def, w.def, slot, w.isa);
+    if (w.def.log) {
+        for (const std::string& sentence : body->data().report.sentences()) w.def.log(LogLevel::warning, body->name + ": " + sentence);
+        const Corotational* material = std::get_if<Corotational>(&def.material);
+        if (material != nullptr && material->poisson > 0.48) {
+            w.def.log(LogLevel::warning, body->name + ": Poisson's ratio " + to_text(material->poisson) + " above 0.48 locks linear tetrahedra: they bend too little");
+        }
+    }
+    if (slot == w.slots.size()) w.slots.emplace_back();
+    w.slots[slot].body = std::move(body);
+    w.order.push_back(slot);
+    return {slot, w.slots[slot].generation};
+}
+
+void World::remove_body(BodyId id) {
+    Impl& w = *impl_;
+    w.body(id);
+    for (Drag& drag : w.drags) {
+        if (drag.body == id) drag.generation = 0;
+    }
+    w.slots[id.index].body.reset();
+    ++w.slots[id.index].generation;
+    w.order.erase(std::find(w.order.begin(), w.order.end(), id.index));
+}
+
+std::vector<BodyId> World::bodies() const {
+    std::vector<BodyId> ids;
+    for (const std::uint32_t slot : impl_->order) ids.push_back({slot, impl_->slots[slot].generation});
+    return ids;
+}
+
+const BodyTemplate& World::shape(BodyId id) const { return *impl_->body(id).shape; }
+const std::string& World::name(BodyId id) const { return impl_->body(id).name; }
+
+void World::set_state(BodyId id, std::span<const Vec3> positions_m, std::span<const Vec3> velocities_m_s) {
+    Body& body = impl_->body(id);
+    const auto check_field = [&](std::span<const Vec3> field, const char* what) {
+        if (field.size() != body.vertices()) {
+            throw Error(ErrorCode::invalid_argument, "World::set_state",
+                        std::to_string(field.size()) + " " + what + " for a body of " + std::to_string(body.vertices()) + " vertices");
+        }
+        for (std::size_t i = 0; i < field.size(); ++i) {
+            if (!field[i].allFinite()) throw Error(ErrorCode::invalid_argument, "World::set_state", std::string(what) + " of vertex " + std::to_string(i) + " is not finite");
+        }
+    };
+    check_field(positions_m, "positions");
+    check_field(velocities_m_s, "velocities");
+    BodyState& s = body.state;
+    s.x.assign(positions_m.begin(), positions_m.end());
+    s.v.assign(velocities_m_s.begin(), velocities_m_s.end());
+    s.x_previous = s.x;
+    for (auto* history : {&s.dv1, &s.dv2}) history->assign(body.vertices(), Vec3::Zero());
+    with_team(impl_->threads, [&](Team& team) { fem::seed_rotations(team, body.data().rest, s.x, s.quaternion); });
+    body.stress.valid = false;
+}
+
+StepReport World::step() noexcept { return do_step(*impl_); }
+
+AdvanceReport World::advance(double real_seconds) noexcept {
+    Impl& w = *impl_;
+    AdvanceReport report;
+    if (real_seconds > 0) w.accumulator_s += real_seconds;  // NaN and negative clocks add nothing
+    const double h = w.def.time_step_s;
+    StepFlag flags = StepFlag::none;
+    // Half a billionth of a step of slack: frames of exactly one step must not slip by rounding.
+    while (w.accumulator_s >= h * (1 - 5e-10) && report.steps < w.def.max_catch_up_steps) {
+        report.last = do_step(w);
+        flags |= report.last.flags;
+        w.accumulator_s = std::max(0.0, w.accumulator_s - h);
+        ++report.steps;
+    }
+    if (w.accumulator_s >= h) {
+        const double keep = std::fmod(w.accumulator_s, h);
+        report.dropped_s = w.accumulator_s - keep;
+        w.accumulator_s = keep;
+    }
+    report.last.flags = flags;
+    report.alpha = std::min(1.0, w.accumulator_s / h);
+    return report;
+}
+
+double World::time_s() const { return impl_->time_s(); }
+std::uint64_t World::step_count() const { return impl_->step; }
+const WorldDef& World::def() const { return impl_->def; }
+
+void World::set_gravity(const Vec3& gravity_m_s2) {
+    if (!gravity_m_s2.allFinite()) throw Error(ErrorCode::invalid_argument, "World::set_gravity", "gravity is not finite");
+    impl_->def.gravity_m_s2 = gravity_m_s2;
+}
+
+std::span<const Vec3> World::positions(BodyId id) const { return impl_->body(id).state.x; }
+std::span<const Vec3> World::previous_positions(BodyId id) const { return impl_->body(id).state.x_previous; }
+std::span<const Vec3> World::velocities(BodyId id) const { return impl_->body(id).state.v; }
+std::span<const double> World::masses(BodyId id) const { return impl_->body(id).mass; }
+std::span<const Vec3> World::reactions(BodyId id) const { return impl_->body(id).state.reaction; }
+
+namespace {
+
+const StressCache& stress_of(const World::Impl& w, BodyId id) {
+    const Body& body = w.body(id);
+    update_stress(body, w.isa, w.threads);
+    return body.stress;
+}
+
+}  // namespace
+
+std::span<const double> World::von_mises(BodyId id) const { return stress_of(*impl_, id).vertex_von_mises; }
+std::span<const Voigt> World::cauchy_stress(BodyId id) const { return stress_of(*impl_, id).vertex; }
+std::span<const double> World::element_von_mises(BodyId id) const { return stress_of(*impl_, id).element_von_mises; }
+std::span<const Voigt> World::element_cauchy_stress(BodyId id) const { return stress_of(*impl_, id).element; }
+
+Energy World::energy() const {
+    Energy energy;
+    for (const BodyId id : bodies()) {
+        energy.elastic_j += stress_of(*impl_, id).energy_j;
+        const Body& body = impl_->body(id);
+        for (std::size_t i = 0; i < body.vertices(); ++i) {
+            energy.kinetic_j += 0.5 * body.mass[i] * body.state.v[i].squaredNorm();
+            energy.gravity_j -= body.mass[i] * impl_->def.gravity_m_s2.dot(body.state.x[i]);
+        }
+    }
+    return energy;
+}
+
+Vec3 World::reaction_n(BodyId id) const {
+    Vec3 sum = Vec3::Zero();
+    for (const Vec3& r : impl_->body(id).state.reaction) sum += r;
+    return sum;
+}
+
+Vec3 World::reaction_n() const {
+    Vec3 sum = Vec3::Zero();
+    for (const BodyId id : bodies()) sum += reaction_n(id);
+    return sum;
+}
+
+bool World::is_frozen(BodyId id) const { return impl_->body(id).frozen(); }
+void World::unfreeze(BodyId id) { impl_->body(id).state.frozen[0] = 0; }
+
+std::uint64_t World::hash() const {
+    Hasher hasher;
+    const auto add = [&](const auto& array) { hasher.add_bytes(std::as_bytes(std::span(array.data(), array.size()))); };
+    add(std::array{impl_->step});
+    for (const BodyId id : bodies()) {
+        BodyState::for_each_field(impl_->body(id).state, [&](const char*, const auto& field) { add(field); });
+    }
+    for (const Drag& drag : impl_->drags) {
+        if (drag.generation != 0) add(std::array{drag.target, drag.force});
+    }
+    return hasher.value();
+}
+
+}  // namespace supple

@@ -1,0 +1,3 @@
+uniform vec4 color;
+out vec4 pixel;
+void main() { pixel = color; }

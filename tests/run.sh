@@ -1,0 +1,11 @@
+#!/bin/sh
+# Installs what is missing, builds everything and runs every test. Runs from any directory; arguments go to ctest (-R name, -LE slow).
+set -eu
+root=$(CDPATH='' cd -- "$(dirname -- "$0")/.." && pwd)
+. "$root/cmake/packages.sh"
+supple_install_packages
+
+cd "$root"
+cmake --preset release
+cmake --build --preset release
+ctest --preset release --no-tests=error --output-on-failure --parallel 2 "$@"

@@ -1,0 +1,100 @@
+#pragma once
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <iostream>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "supple/base/error.h"
+
+namespace supple::test {
+
+/// Real meshes that are not part of the repository: $SUPPLE_SHARED, or ../shared beside it; empty where there are none.
+inline std::filesystem::path shared_data(const std::string& what) {
+    const char* named = std::getenv("SUPPLE_SHARED");
+    const std::filesystem::path folder = named ? std::filesystem::path(named) : std::filesystem::path(SUPPLE_SOURCE_DIR) / ".." / "shared";
+    if (std::filesystem::exists(folder / what)) return folder / what;
+    std::cout << "skipped: " << (folder / what).string() << " is not there (set SUPPLE_SHARED)" << std::endl;
+    return {};
+}
+
+/// A folder of its own for a test, removed at the end.
+class TemporaryFolder {
+public:
+    TemporaryFolder() {
+        std::random_device random;
+        path_ = std::filesystem::temp_directory_path() / ("supple-test-" + std::to_string(random()) + "-" + std::to_string(random()));
+        std::filesystem::create_directories(path_);
+    }
+    ~TemporaryFolder() {
+        std::error_code ignored;
+        std::filesystem::remove_all(path_, ignored);
+    }
+    TemporaryFolder(const TemporaryFolder&) = delete;
+    TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+    const std::filesystem::path& path() const { return path_; }
+    std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
+
+private:
+    std::filesystem::path path_;
+};
+
+/// Runs `action` and returns the Error it throws; a test failure and an empty Error where it throws none. Other exceptions pass through.
+template <class Action>
+Error caught(Action&& action) {
+    try {
+        action();
+    } catch (const Error& error) {
+        return error;
+    }
+    ADD_FAILURE() << "no Error was thrown";
+    return Error(ErrorCode::invalid_argument, "", "");
+}
+
+/// Expects an Error of this code whose where() is `where` and whose message holds every one of `words`.
+template <class Action>
+void expect_error(ErrorCode code, const std::string& where, const std::vector<std::string>& words, Action&& action) {
+    const Error error = caught(action);
+    EXPECT_EQ(to_string(error.code()), to_string(code)) << error.what();
+    EXPECT_EQ(error.where(), where) << error.what();
+    for (const std::string& word : words) EXPECT_NE(error.message().find(word), std::string::npos) << "\"" << word << "\" is missing in: " << error.what();
+}
+
+/// One random change of a text: a byte, a piece cut out, doubled or moved, or a number made nasty. Depends on nothing but the generator.
+inline std::string mutated(std::string text, std::mt19937& random) {
+    const auto below = [&](std::size_t n) { return n == 0 ? 0 : std::size_t(random() % n); };
+    static const char* const kNasty[] = {"-1",   "0",    "2147483647", "2147483648",  "1152921504606846976", "9223372036854775807", "-9223372036854775808",
+                                         "nan",  "inf",  "1e400",      "1e-400",      "0x10",                "",                    "18446744073709551616",
+                                         "1.5",  "\"",   "$",          "$EndNodes\n", "-2147483648",         "99999",               "\n",
+                                         "1D+3", "null", "{",          "[[",          "\xff\xfe",            "1e308",               "true"};
+    const std::size_t at = below(text.size());
+    switch (random() % 6) {
+        case 0:
+            if (!text.empty()) text[at] = char(random());
+            break;
+        case 1:
+            text.insert(at, 1, char(random() % 96 + 32));
+            break;
+        case 2:
+            text.erase(at, 1 + below(8));
+            break;
+        case 3:
+            text.insert(below(text.size()), text.substr(at, 1 + below(40)));
+            break;
+        case 4:
+            text.insert(at, kNasty[below(std::size(kNasty))]);
+            break;
+        default: {
+            const std::size_t begin = text.find_first_of("0123456789", at);
+            if (begin == std::string::npos) break;
+            const std::size_t end = text.find_first_not_of("0123456789.", begin);
+            text.replace(begin, (end == std::string::npos ? text.size() : end) - begin, kNasty[below(std::size(kNasty))]);
+        }
+    }
+    return text;
+}
+
+}  // namespace supple::test

@@ -1,0 +1,366 @@
+#include <fstream>
+#include <functional>
+
+#include "supple/io/binary_file.h"
+#include "supple/io/mesh_file.h"
+#include "supple/io/scene.h"
+#include "supple/mesh/box_mesh.h"
+#include "test_io_helpers.h"
+
+namespace supple::io {
+namespace {
+
+using test::expect_error;
+
+Scene parse(const std::string& text) { return parse_scene(text, ".", "s.json"); }
+
+/// A scene of one small box whose body has `extra` keys besides.
+std::string one_body(const std::string& extra) {
+    return R"({"supple_scene": 1, "bodies": [{"box": {"min_m": [0, 0, 0], "max_m": [2, 1, 1], "cells": [2, 1, 1]})" + (extra.empty() ? "" : ", " + extra) + "}]}";
+}
+std::string with_key(const std::string& key) {
+    std::string text = one_body("");
+    return text.insert(1, key + ", ");
+}
+
+const SceneBody& body_of(const Scene& scene) { return scene.bodies.at(0); }
+
+TEST(IoScene, ReadsEveryKey) {
+    const Scene scene = parse(R"({
+      // a comment
+      "supple_scene": 1, /* another */
+      "time_step_s": 0.01, "gravity_m_s2": [0, 0, -9.81], "threads": 3,
+      "solver": {"integrator": "implicit_euler", "newton_iterations": 4, "newton_tolerance": 1e-3, "cg_relative_tolerance": 1e-8, "cg_max_iterations": 77,
+                 "preconditioner": "block_jacobi", "precision": "double", "linearise_at": "current", "tangent": "warped", "operator": "assembled",
+                 "rayleigh_mass_1_s": 0.5, "rayleigh_stiffness_s": 0.01},
+      "bodies": [{"name": "bar", "box": {"min_m": [0, 0, 0], "max_m": [2, 1, 1], "cells": [2, 1, 1], "elements": "tets"}, "scale": 0.5,
+                  "translation_m": [1, 2, 3], "velocity_m_s": [0, 1, 0], "density_kg_m3": 900,
+                  "material": {"law": "corotational", "rotation": "polar", "young_pa": 2e5, "poisson": 0.4},
+                  "fixed": [{"box": {"min_m": [-1, -1, -1], "max_m": [0, 2, 2]}, "axes": "xz"}, "all"],
+                  "prescribed": [{"vertices": [2], "displacement_m": [0, 0.1, 0]}],
+                  "loads": [{"sphere": {"centre_m": [1, 0, 0], "radius_m": 0.1}, "force_n": [0, -1, 0]}]}],
+      "colliders": [],
+      "camera": {"eye_m": [0.2, 0.1, 0.8], "target_m": [0, 0, 0], "fov_deg": 35}
+    })");
+    EXPECT_EQ(scene.world.time_step_s, 0.01);
+    EXPECT_EQ(scene.world.gravity_m_s2, Vec3(0, 0, -9.81));
+    EXPECT_EQ(scene.world.threads, 3);
+    const SolverDef& solver = scene.world.solver;
+    EXPECT_EQ(solver.newton_iterations, 4);
+    EXPECT_EQ(solver.newton_tolerance, 1e-3);
+    EXPECT_EQ(solver.cg_relative_tolerance, 1e-8);
+    EXPECT_EQ(solver.cg_max_iterations, 77);
+    EXPECT_EQ(solver.preconditioner, PreconditionerKind::block_jacobi);
+    EXPECT_EQ(solver.precision, Precision::double_);
+    EXPECT_EQ(solver.linearise_at, LineariseAt::current);
+    EXPECT_EQ(solver.rayleigh_mass_1_s, 0.5);
+    EXPECT_EQ(solver.rayleigh_stiffness_s, 0.01);
+    ASSERT_EQ(scene.bodies.size(), 1u);
+    const SceneBody& body = body_of(scene);
+    EXPECT_EQ(body.def.name, "bar");
+    EXPECT_EQ(body.def.shape->mesh().tets.size(), 12u);
+    EXPECT_EQ(body.def.shape->mesh().vertices[2], Vec3(1, 0, 0));  // scaled
+    EXPECT_EQ(body.def.translation_m, Vec3(1, 2, 3));
+    EXPECT_EQ(body.def.velocity_m_s, Vec3(0, 1, 0));
+    EXPECT_EQ(body.def.density_kg_m3, 900);
+    EXPECT_EQ(std::get<Corotational>(body.def.material).young_pa, 2e5);
+    EXPECT_EQ(std::get<Corotational>(body.def.material).poisson, 0.4);
+    EXPECT_TRUE(body.def.young_pa_per_element.empty());
+    ASSERT_EQ(body.fixed.size(), 2u);
+    EXPECT_EQ(std::get<InsideBox>(body.fixed[0].where).max_m, Vec3(0, 2, 2));
+    EXPECT_TRUE(body.fixed[0].axes.x && !body.fixed[0].axes.y && body.fixed[0].axes.z);
+    EXPECT_TRUE(std::holds_alternative<Everything>(body.fixed[1].where));
+    ASSERT_EQ(body.prescribed.size(), 1u);
+    EXPECT_EQ(body.prescribed[0].displacement_m.values.at(0), Vec3(0, 0.1, 0));
+    EXPECT_TRUE(body.prescribed[0].displacement_m.times_s.empty());
+    ASSERT_EQ(body.loads.size(), 1u);
+    EXPECT_EQ(body.loads[0].kind, LoadKind::total_force);
+    EXPECT_EQ(std::get<InsideSphere>(body.loads[0].where).radius_m, 0.1);
+    ASSERT_TRUE(scene.camera.has_value());
+    EXPECT_EQ(scene.camera->fov_deg, 35);
+}
+
+TEST(IoScene, DefaultsAreThoseOfTheDefinitions) {
+    const Scene scene = parse(one_body(""));
+    const WorldDef world;
+    EXPECT_EQ(scene.world.time_step_s, world.time_step_s);
+    EXPECT_EQ(scene.world.gravity_m_s2, world.gravity_m_s2);
+    EXPECT_EQ(scene.world.solver.cg_max_iterations, world.solver.cg_max_iterations);
+    EXPECT_EQ(scene.world.solver.precision, world.solver.precision);
+    EXPECT_EQ(scene.world.solver.linearise_at, world.solver.linearise_at);
+    EXPECT_EQ(body_of(scene).def.density_kg_m3, BodyDef().density_kg_m3);
+    EXPECT_FALSE(scene.camera.has_value());
+    EXPECT_EQ(parse(with_key(R"("solver": {"preconditioner": "auto", "operator": "auto", "precision": "single"})")).world.solver.preconditioner,
+              PreconditionerKind::automatic);
+}
+
+TEST(IoScene, MeshPathsAreRelativeToTheSceneAndShared) {
+    const test::TemporaryFolder folder;
+    std::filesystem::create_directories(folder / "meshes");
+    VolumeMesh mesh = make_tet_box({});
+    mesh.regions = {{"soft", 4}};
+    mesh.element_region = {0, 0, -1, -1, -1, -1};
+    mesh.groups = {{"ligament", {0, 1}}};
+    write_gmsh(folder / "meshes/a.msh", mesh);
+    write_text_file(folder / "s.json", R"({"supple_scene": 1, "bodies": [
+        {"mesh": "meshes/a.msh", "fixed": [{"group": "ligament"}], "regions": [{"group": "soft", "stiffness_factor": 0.5}]},
+        {"mesh": "meshes/../meshes/a.msh", "fixed": [{"selection": {"group": "soft"}}]},
+        {"mesh": "meshes/a.msh", "scale": 2}]})");
+    const Scene scene = read_scene(folder / "s.json");
+    ASSERT_EQ(scene.bodies.size(), 3u);
+    EXPECT_EQ(scene.bodies[0].def.shape, scene.bodies[1].def.shape);
+    EXPECT_NE(scene.bodies[0].def.shape, scene.bodies[2].def.shape);
+    EXPECT_EQ(scene.bodies[2].def.shape->mesh().vertices[1], Vec3(2, 0, 0));
+    EXPECT_EQ(scene.bodies[0].def.young_pa_per_element, (std::vector<double>{5e4, 5e4, 1e5, 1e5, 1e5, 1e5}));
+    expect_error(ErrorCode::parse, (folder / "s.json").string() + ":/bodies/0/fixed/0/group", {"\"ligamnt\"", "\"ligament\"", "\"soft\""}, [&] {
+        parse_scene(R"({"supple_scene": 1, "bodies": [{"mesh": "meshes/a.msh", "fixed": [{"group": "ligamnt"}]}]})", folder.path(), (folder / "s.json").string());
+    });
+}
+
+TEST(IoScene, MaterialsPerElementAndPerRegion) {
+    std::string twelve = "[";
+    for (int e = 1; e <= 12; ++e) twelve += std::to_string(e) + (e < 12 ? "," : "]");
+    const Scene arrays = parse(one_body(R"("material": {"young_pa": )" + twelve + R"(, "poisson": [0,0.1,0.2,0.3,0.4,0.45,0,0,0,0,0,-0.5]})"));
+    EXPECT_EQ(body_of(arrays).def.young_pa_per_element[11], 12);
+    EXPECT_EQ(body_of(arrays).def.poisson_per_element[11], -0.5);
+
+    const Scene regions = parse(one_body(R"("material": {"young_pa": 100, "poisson": 0.2}, "regions": [
+        {"box": {"min_m": [1, 0, 0], "max_m": [2, 1, 1]}, "material": {"young_pa": 1000, "poisson": 0.3}},
+        {"all": true, "stiffness_factor": 2}])"));
+    const BodyDef& def = body_of(regions).def;
+    const std::vector<std::int32_t> right = select_elements(def.shape->mesh(), InsideBox{Vec3(1, 0, 0), Vec3(2, 1, 1)});
+    ASSERT_EQ(right.size(), 6u);
+    for (std::size_t e = 0; e < 12; ++e) {
+        const bool inside = std::find(right.begin(), right.end(), std::int32_t(e)) != right.end();
+        EXPECT_EQ(def.young_pa_per_element[e], inside ? 2000 : 200);
+        EXPECT_EQ(def.poisson_per_element[e], inside ? 0.3 : 0.2);
+    }
+    const Scene scaled = parse(one_body(R"("regions": [{"all": true, "stiffness_factor": 3}])"));
+    EXPECT_TRUE(body_of(scaled).def.poisson_per_element.empty());
+    EXPECT_EQ(body_of(scaled).def.young_pa_per_element.at(0), 3 * Corotational().young_pa);
+}
+
+TEST(IoScene, TimelinesRampOrFollowTheirTable) {
+    const Scene scene = parse(one_body(R"(
+        "prescribed": [{"all": true, "displacement_m": [1, 2, 3], "times_s": [0.5, 1]},
+                       {"all": true, "velocity_m_s": [[0, 0, 0], [1, 0, 0], [0, 0, 0]], "times_s": [0, 1, 4]},
+                       {"all": true, "affine": [[0, -1, 0, 5], [1, 0, 0, 6], [0, 0, 1, 7]], "times_s": [0, 2], "axes": "y"},
+                       {"all": true, "affine": [[[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]], [[2, 0, 0, 0], [0, 2, 0, 0], [0, 0, 2, 0]]], "times_s": [0, 2]},
+                       {"all": true, "affine": [[2, 0, 0, 0], [0, 2, 0, 0], [0, 0, 2, 0]]}],
+        "loads": [{"vertices": [0, 1], "force_per_vertex_n": [0, 0, 8], "times_s": [0, 2]},
+                  {"all": true, "traction_pa": [1, 0, 0]},
+                  {"all": true, "body_force_n_m3": [[0, 1, 0]], "times_s": [3]}])"));
+    const auto& motions = body_of(scene).prescribed;
+    EXPECT_EQ(motions[0].displacement_m.at(0), Vec3(0, 0, 0));
+    EXPECT_EQ(motions[0].displacement_m.at(0.75), Vec3(0.5, 1, 1.5));
+    EXPECT_EQ(motions[0].displacement_m.at(9), Vec3(1, 2, 3));
+    EXPECT_EQ(motions[1].velocity_m_s.at(2.5), Vec3(0.5, 0, 0));
+    EXPECT_TRUE(motions[1].displacement_m.values.empty());
+    EXPECT_EQ(motions[2].affine.at(0)(0, 0), 1);
+    EXPECT_EQ(motions[2].affine.at(1)(0, 0), 0.5);
+    EXPECT_EQ(motions[2].affine.at(2)(2, 3), 7);
+    EXPECT_FALSE(motions[2].axes.x);
+    EXPECT_EQ(motions[3].affine.at(1)(1, 1), 1.5);
+    EXPECT_EQ(motions[4].affine.values.size(), 1u);
+    const auto& loads = body_of(scene).loads;
+    EXPECT_EQ(loads[0].kind, LoadKind::force_per_vertex);
+    EXPECT_EQ(std::get<VertexList>(loads[0].where).vertices, (std::vector<std::int32_t>{0, 1}));
+    EXPECT_EQ(loads[0].value.at(1), Vec3(0, 0, 4));
+    EXPECT_EQ(loads[1].kind, LoadKind::traction);
+    EXPECT_EQ(loads[2].kind, LoadKind::body_force);
+    EXPECT_EQ(loads[2].value.at(0), Vec3(0, 1, 0));
+}
+
+TEST(IoScene, SyntaxErrorsNameTheLine) {
+    const auto refuse = [](const std::string& text, const std::string& where, const std::vector<std::string>& words) {
+        SCOPED_TRACE(text);
+        expect_error(ErrorCode::parse, where, words, [&] { parse(text); });
+    };
+    refuse("{\n\"supple_scene\": 1,\n\"bodies\": [}\n", "s.json:3", {"column"});
+    refuse("{\n\n\"supple_scene\" 1}", "s.json:3", {});
+    refuse("", "s.json:1", {});
+    refuse("{\"supple_scene\": 1, \"bodies\": [", "s.json:1", {});
+    refuse("{\n\"supple_scene\": 1} trailing", "s.json:2", {});
+    refuse("{\"supple_scene\": 1,\n \"time_step_s\": 1e999}", "s.json:2", {});
+    refuse("{\"supple_scene\": 1, \"supple_scene\": 1}", "s.json", {"\"supple_scene\"", "twice"});
+    refuse("{\"supple_scene\": \"\xff\"}", "s.json:1", {});
+    refuse(std::string(100000, '['), "s.json:1", {});
+    refuse(std::string(100000, '[') + std::string(100000, ']'), "s.json:/", {"must be an object"});
+}
+
+TEST(IoScene, MistakesNameThePointerAndTheFix) {
+    const auto refuse = [](const std::string& text, const std::string& pointer, const std::vector<std::string>& words, ErrorCode code = ErrorCode::parse) {
+        SCOPED_TRACE(text);
+        expect_error(code, "s.json:" + pointer, words, [&] { parse(text); });
+    };
+    const std::string b = "/bodies/0/";
+    // unknown and missing keys
+    refuse(with_key(R"("gravity": [0, 0, 0])"), "/gravity", {"unknown key", "\"gravity_m_s2\""});
+    refuse(with_key(R"("time_stepp_s": 1)"), "/time_stepp_s", {"did you mean \"time_step_s\""});
+    refuse(with_key(R"("a/b~c": 1)"), "/a~1b~0c", {"unknown key"});
+    refuse(one_body(R"("materail": {})"), b + "materail", {"did you mean \"material\""});
+    refuse(one_body(R"("material": {"young": 1})"), b + "material/young", {"did you mean \"young_pa\""});
+    refuse(one_body(R"("fixed": [{"boxx": 1}])"), b + "fixed/0/boxx", {"did you mean \"box\""});
+    refuse(one_body(R"("fixed": [{"axis": "x", "all": true}])"), b + "fixed/0/axis", {"did you mean \"axes\""});
+    refuse(R"({"bodies": []})", "/", {"\"supple_scene\" is missing"});
+    refuse(R"({"supple_scene": 1})", "/", {"\"bodies\" is missing"});
+    refuse(R"({"supple_scene": 1, "bodies": []})", "/bodies", {"empty"});
+    refuse(R"({"supple_scene": 1, "bodies": [{}]})", "/bodies/0", {"\"mesh\"", "\"box\""});
+    refuse(R"({"supple_scene": 2, "bodies": []})", "/supple_scene", {"version 2", "version 1"}, ErrorCode::unsupported);
+    // types and ranges
+    refuse(with_key(R"("time_step_s": 0)"), "/time_step_s", {"0 is outside (0, 1]"});
+    refuse(with_key(R"("time_step_s": 1.5)"), "/time_step_s", {"1.5", "(0, 1]"});
+    refuse(with_key(R"("time_step_s": "fast")"), "/time_step_s", {"must be a number", "\"fast\""});
+    refuse(with_key(R"("gravity_m_s2": -9.81)"), "/gravity_m_s2", {"three numbers", "-9.81"});
+    refuse(with_key(R"("gravity_m_s2": [0, null, 0])"), "/gravity_m_s2/1", {"null"});
+    refuse(with_key(R"("threads": 257)"), "/threads", {"257", "[0, 256]"});
+    refuse(with_key(R"("threads": 1.5)"), "/threads", {"whole number"});
+    refuse(with_key(R"("solver": {"newton_iterations": 0})"), "/solver/newton_iterations", {"[1, 100]"});
+    refuse(with_key(R"("solver": {"newton_tolerance": 1})"), "/solver/newton_tolerance", {"[0, 1)"});
+    refuse(with_key(R"("solver": {"cg_relative_tolerance": 0})"), "/solver/cg_relative_tolerance", {"(0, 1)"});
+    refuse(with_key(R"("solver": {"cg_max_iterations": 1e7})"), "/solver/cg_max_iterations", {"[1, 1000000]"});
+    refuse(with_key(R"("solver": {"precision": "dubble"})"), "/solver/precision", {"did you mean \"double\"", "\"single\""});
+    refuse(with_key(R"("solver": [])"), "/solver", {"must be an object"});
+    refuse(with_key(R"("camera": {"eye_m": [0, 0, 0]})"), "/camera", {"\"target_m\" is missing"});
+    refuse(with_key(R"("camera": {"eye_m": [0, 0, 0], "target_m": [0, 0, 0]})"), "/camera/target_m", {"eye_m"});
+    refuse(with_key(R"("camera": {"eye_m": [0, 0, 0], "target_m": [0, 0, 1], "fov_deg": 180})"), "/camera/fov_deg", {"[1, 170]"});
+    refuse(one_body(R"("material": {"poisson": 0.5})"), b + "material/poisson", {"0.5 is outside (-1, 0.5)"});
+    refuse(one_body(R"("material": {"young_pa": -1})"), b + "material/young_pa", {"-1 is outside (0, "});
+    refuse(one_body(R"("material": {"young_pa": [1, 2]})"), b + "material/young_pa", {"2 numbers", "12 elements"});
+    refuse(one_body(R"("material": {"poisson": [0,0,0,0,0,0,0,0,0,0,0,0.7]})"), b + "material/poisson/11", {"0.7"});
+    refuse(one_body(R"("density_kg_m3": 0)"), b + "density_kg_m3", {"outside (0"});
+    refuse(one_body(R"("scale": 0)"), b + "scale", {"outside (0"});
+    refuse(one_body(R"("name": 7)"), b + "name", {"text"});
+    refuse(one_body(R"("mesh": "a.msh")"), b + "box", {"not both"});
+    refuse(R"({"supple_scene": 1, "bodies": [{"mesh": "none.msh"}]})", b + "mesh", {"none.msh", "cannot open"}, ErrorCode::file_unreadable);
+    refuse(R"({"supple_scene": 1, "bodies": [{"box": {"min_m": [0, 0, 0], "max_m": [1, 0, 1], "cells": [1, 1, 1]}}]})", b + "box/max_m/1", {"not above"});
+    refuse(R"({"supple_scene": 1, "bodies": [{"box": {"min_m": [0, 0, 0], "max_m": [1, 1, 1], "cells": [1, 0, 1]}}]})", b + "box/cells/1", {"[1, "});
+    refuse(R"({"supple_scene": 1, "bodies": [{"box": {"min_m": [0, 0, 0], "max_m": [1, 1, 1], "cells": [1000, 1000, 1000]}}]})", b + "box/cells", {"1e+09"});
+    // selections
+    refuse(one_body(R"("fixed": [{"axes": "x"}])"), b + "fixed/0", {"selection is missing"});
+    refuse(one_body(R"("fixed": ["left"])"), b + "fixed/0", {"\"all\"", "group"});
+    refuse(one_body(R"("fixed": [7])"), b + "fixed/0", {"object"});
+    refuse(one_body(R"("fixed": [{"all": false}])"), b + "fixed/0/all", {"true"});
+    refuse(one_body(R"("fixed": [{"all": true, "group": "a"}])"), b + "fixed/0/group", {"exclude each other"});
+    refuse(one_body(R"("fixed": [{"group": "a"}])"), b + "fixed/0/group", {"no group"});
+    refuse(one_body(R"("fixed": [{"vertices": [12]}])"), b + "fixed/0/vertices/0", {"12", "[0, 11]"});
+    refuse(one_body(R"("fixed": [{"vertices": []}])"), b + "fixed/0/vertices", {"no vertex"});
+    refuse(one_body(R"("fixed": [{"box": {"min_m": [5, 5, 5], "max_m": [6, 6, 6]}}])"), b + "fixed/0/box", {"no vertex", "[2, 1, 1]"});
+    refuse(one_body(R"("fixed": [{"box": {"min_m": [5, 5, 5], "max_m": [4, 6, 6]}}])"), b + "fixed/0/box/max_m/0", {"not above"});
+    refuse(one_body(R"("fixed": [{"sphere": {"centre_m": [0, 0, 0], "radius_m": -1}}])"), b + "fixed/0/sphere/radius_m", {"[0, "});
+    refuse(one_body(R"("fixed": [{"all": true, "axes": "xx"}])"), b + "fixed/0/axes", {"each once"});
+    refuse(one_body(R"("fixed": [{"all": true, "axes": ""}])"), b + "fixed/0/axes", {"empty"});
+    refuse(one_body(R"("fixed": {"all": true})"), b + "fixed", {"list"});
+    refuse(one_body(R"("fixed": [{"selection": {"selection": "all"}}])"), b + "fixed/0/selection/selection", {"directly"});
+    refuse(one_body(R"("fixed": [{"selection": {"all": true, "axes": "x"}}])"), b + "fixed/0/selection/axes", {"unknown key"});
+    // motions, loads, times
+    refuse(one_body(R"("prescribed": [{"all": true}])"), b + "prescribed/0", {"displacement_m", "affine"});
+    refuse(one_body(R"("prescribed": [{"all": true, "displacement_m": [0,0,0], "velocity_m_s": [0,0,0]}])"), b + "prescribed/0/velocity_m_s", {"exclude"});
+    refuse(one_body(R"("prescribed": [{"all": true, "displacement_m": [[0,0,0],[0,0,1]]}])"), b + "prescribed/0/displacement_m", {"times_s"});
+    refuse(one_body(R"("prescribed": [{"all": true, "displacement_m": [[0,0,0],[0,0,1]], "times_s": [0, 1, 2]}])"), b + "prescribed/0/displacement_m",
+           {"2 values for 3 times"});
+    refuse(one_body(R"("prescribed": [{"all": true, "displacement_m": [0,0,1], "times_s": [0, 1, 2]}])"), b + "prescribed/0/displacement_m", {"ramp"});
+    refuse(one_body(R"("prescribed": [{"all": true, "displacement_m": [0,0,1], "times_s": [1, 1]}])"), b + "prescribed/0/times_s/1", {"ascend"});
+    refuse(one_body(R"("prescribed": [{"all": true, "displacement_m": [0,0,1], "times_s": []}])"), b + "prescribed/0/times_s", {"empty"});
+    refuse(one_body(R"("prescribed": [{"all": true, "affine": [[1,0,0],[0,1,0],[0,0,1]]}])"), b + "prescribed/0/affine/0", {"four numbers"});
+    refuse(one_body(R"("loads": [{"all": true}])"), b + "loads/0", {"force_n", "traction_pa"});
+    refuse(one_body(R"("loads": [{"all": true, "force_n": [0,0,0], "traction_pa": [0,0,0]}])"), b + "loads/0/traction_pa", {"exclude"});
+    refuse(one_body(R"("loads": [{"vertices": [0], "traction_pa": [0,0,0]}])"), b + "loads/0/traction_pa", {"boundary triangle"});
+    refuse(one_body(R"("loads": [{"vertices": [0], "body_force_n_m3": [0,0,0]}])"), b + "loads/0/body_force_n_m3", {"no element"});
+    refuse(one_body(R"("regions": [{"all": true}])"), b + "regions/0", {"changes nothing"});
+    refuse(one_body(R"("regions": [{"vertices": [0], "stiffness_factor": 2}])"), b + "regions/0", {"no element"});
+    refuse(one_body(R"("regions": [{"all": true, "stiffness_factor": 0}])"), b + "regions/0/stiffness_factor", {"outside (0"});
+    refuse(one_body(R"("regions": [{"all": true, "stiffness_factor": 1e14}])"), b + "regions/0/stiffness_factor", {"1e+19"});
+}
+
+TEST(IoScene, WhatThisBuildCannotDoIsRefusedByItsKey) {
+    const auto refuse = [](const std::string& text, const std::string& pointer, const std::vector<std::string>& words) {
+        SCOPED_TRACE(text);
+        expect_error(ErrorCode::unsupported, "s.json:" + pointer, words, [&] { parse(text); });
+    };
+    for (const char* word : {"bdf2", "newmark", "static"}) {
+        refuse(with_key(std::string(R"("solver": {"integrator": ")") + word + "\"}"), "/solver/integrator", {word, "implicit_euler"});
+    }
+    for (const char* word : {"auto_timed", "scalar_laplacian", "lattice_multigrid", "direct"}) {
+        refuse(with_key(std::string(R"("solver": {"preconditioner": ")") + word + "\"}"), "/solver/preconditioner", {word, "block_jacobi"});
+    }
+    refuse(with_key(R"("solver": {"tangent": "exact"})"), "/solver/tangent", {"warped"});
+    refuse(with_key(R"("solver": {"operator": "matrix_free"})"), "/solver/operator", {"assembled"});
+    refuse(with_key(R"("solver": {"step_budget_us": 10})"), "/solver/step_budget_us", {"step_budget_us"});
+    refuse(with_key(R"("colliders": [{"plane": {"normal": [0, 1, 0], "offset_m": 0}}])"), "/colliders", {"colliders"});
+    for (const char* word : {"linear", "NeoHookean", "Ogden", "Costa"}) {
+        refuse(one_body(std::string(R"("material": {"law": ")") + word + R"(", "c1_pa": 1})"), "/bodies/0/material/law", {word, "corotational"});
+    }
+    for (const char* word : {"large", "svd"}) {
+        refuse(one_body(std::string(R"("material": {"rotation": ")") + word + "\"}"), "/bodies/0/material/rotation", {word, "polar"});
+    }
+    refuse(one_body(R"("material": {"plastic_yield": 0.1})"), "/bodies/0/material/plastic_yield", {"plastic_yield"});
+    refuse(one_body(R"("regions": [{"all": true, "material": {"law": "NeoHookean"}}])"), "/bodies/0/regions/0/material/law", {"law"});
+    for (const char* key : {"pressure_pa", "moment_nm", "follower", "axis"}) {
+        refuse(one_body(std::string(R"("loads": [{"all": true, ")") + key + R"(": 1}])"), std::string("/bodies/0/loads/0/") + key, {key, "traction_pa"});
+    }
+    refuse(R"({"supple_scene": 1, "bodies": [{"box": {"min_m": [0, 0, 0], "max_m": [1, 1, 1], "cells": [1, 1, 1], "elements": "hexes"}}]})",
+           "/bodies/0/box/elements", {"tets"});
+}
+
+TEST(IoScene, MistakesInMeshesNameBothPlaces) {
+    const test::TemporaryFolder folder;
+    write_text_file(folder / "surface.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    write_text_file(folder / "broken.msh", "$NOD\n1\n1 0 0 zero\n$ENDNOD\n$ELM\n0\n$ENDELM\n");
+    write_gmsh(folder / "hexes.msh", make_hex_box({}));
+    const auto scene_of = [&](const char* mesh) { return std::string(R"({"supple_scene": 1, "bodies": [{"mesh": ")") + mesh + "\"}]}"; };
+    const auto refuse = [&](ErrorCode code, const char* mesh, const std::vector<std::string>& words) {
+        expect_error(code, "s.json:/bodies/0/mesh", words, [&] { parse_scene(scene_of(mesh), folder.path(), "s.json"); });
+    };
+    refuse(ErrorCode::surface_mesh, "surface.obj", {"surface.obj", "surface mesh"});
+    refuse(ErrorCode::parse, "broken.msh", {"broken.msh:3", "zero"});
+    refuse(ErrorCode::unsupported, "hexes.msh", {"hexahedra", "hexes.msh"});
+}
+
+TEST(IoScene, OnlyErrorsEscapeFromMutatedScenes) {
+    const std::string whole = R"({"supple_scene": 1, "time_step_s": 0.01, "solver": {"newton_iterations": 2}, "bodies": [{"name": "a",
+        "box": {"min_m": [0, 0, 0], "max_m": [1, 1, 1], "cells": [1, 1, 1]}, "scale": 0.5, "material": {"young_pa": 1e5, "poisson": [0, 0, 0, 0, 0, 0.1]},
+        "regions": [{"all": true, "stiffness_factor": 2}], "fixed": [{"vertices": [0, 1]}, "all"],
+        "prescribed": [{"box": {"min_m": [0, 0, 0], "max_m": [1, 1, 1]}, "displacement_m": [0, 0, 1], "times_s": [0, 1]}],
+        "loads": [{"sphere": {"centre_m": [0, 0, 0], "radius_m": 1}, "force_n": [1, 0, 0]}]}], "camera": {"eye_m": [0, 0, 1], "target_m": [0, 0, 0]}})";
+    std::mt19937 random(17);
+    std::size_t accepted = 0, refused = 0;
+    for (int trial = 0; trial < 4000; ++trial) {
+        const std::string text = test::mutated(whole, random);
+        try {
+            parse(text);
+            ++accepted;
+        } catch (const Error& error) {
+            EXPECT_EQ(error.where().compare(0, 6, "s.json"), 0) << error.what();
+            ++refused;
+        } catch (const std::exception& other) {
+            FAIL() << other.what() << "\n" << text;
+        }
+    }
+    EXPECT_GT(accepted, 50u);
+    EXPECT_GT(refused, 500u);
+}
+
+TEST(IoScene, BuildsAWorldThatHoldsAndLoadsItsBodies) {
+    const Scene scene = parse(with_key(R"("time_step_s": 0.01, "threads": 1)").replace(
+        with_key(R"("time_step_s": 0.01, "threads": 1)").find("\"cells\": [2, 1, 1]}"), 19,
+        R"("cells": [2, 1, 1]}, "translation_m": [0, 5, 0], "fixed": [{"box": {"min_m": [0, 0, 0], "max_m": [0, 1, 1]}}],
+           "prescribed": [{"vertices": [2], "displacement_m": [0, 0, 0.25], "times_s": [0, 0.02]}], "loads": [{"vertices": [5], "force_n": [3, 0, 0]}])"));
+    std::vector<std::string> messages;
+    World world = build_world(scene, [&](LogLevel, std::string_view message) { messages.emplace_back(message); });
+    ASSERT_EQ(world.bodies().size(), 1u);
+    const BodyId body = world.bodies()[0];
+    const Vec3 held = world.positions(body)[0];
+    EXPECT_EQ(held, Vec3(0, 5, 0));
+    const double hanging = world.positions(body)[1][1];
+    for (int i = 0; i < 3; ++i) {
+        const StepReport report = world.step();
+        EXPECT_EQ(report.flags, StepFlag::none);
+    }
+    EXPECT_EQ(world.positions(body)[0], held);
+    EXPECT_NEAR(world.positions(body)[2][2], 0.25, 1e-12);
+    EXPECT_LT(world.positions(body)[1][1], hanging);
+}
+
+}  // namespace
+}  // namespace supple::io
