@@ -13,7 +13,8 @@ inline constexpr double kLiverEdge_m = 0.0135;
 
 /// The upper rear attachment: the bare area with the coronary ligament, and the falciform ligament over the top.
 inline bool at_liver_ligament(const Point& x) {
-    const bool coronary = x[0] > -0.080 && x[0] < 0.056 && x[1] > 0.024 - 0.05 * std::min(x[0], 0.0) && x[2] < -0.014 + 0.35 * (x[0] > 0 ? x[0] : 0.0);
+    const bool coronary =
+        x[0] > -0.080 && x[0] < 0.056 && x[1] > 0.024 - 0.05 * std::min(x[0], 0.0) && x[2] < -0.014 + 0.35 * (x[0] > 0 ? x[0] : 0.0);
     const bool falciform = std::abs(x[0] - 0.026 - 0.10 * x[1]) < 0.010 && x[1] > 0.036 && x[2] < 0.030;
     return coronary || falciform;
 }

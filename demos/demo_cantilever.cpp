@@ -60,7 +60,6 @@ public:
         view.ground_height_m = -0.3;
         view.surfaces[0].look = Look::rubber;
         view.surfaces[0].rest_positions = world_.shape(body_).mesh().vertices;
-        view.surfaces[0].edges = world_.shape(body_).boundary().edges;
         if (view.scale) view.scale->high = 4e4;
         char text[64];
         std::snprintf(text, sizeof text, "   tip %.1f mm below rest", 1000 * (rest_tip_m_.y() - tip.y()));

@@ -63,6 +63,7 @@ const FrameView& FrameBuilder::build(double alpha, const std::string& hud, doubl
         SurfaceView surface;
         surface.positions = positions_[b];
         surface.triangles = boundary.triangles;
+        surface.reference_positions = world.shape(bodies[b]).mesh().vertices;
         if (options_.wireframe) surface.edges = boundary.edges;
         if (options_.stress) {
             surface.scalar = world.von_mises(bodies[b]);

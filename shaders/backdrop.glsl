@@ -1,13 +1,19 @@
 // The studio around the scene: floor, horizon and sky melt into each other. Linear light.
-const vec3 kSkyColor = vec3(0.062, 0.079, 0.104);
-const vec3 kHorizonColor = vec3(0.290, 0.325, 0.365);
-const vec3 kFloorColor = vec3(0.215, 0.236, 0.262);
+const vec3 kSkyColor = vec3(0.040, 0.052, 0.072);
+const vec3 kHorizonColor = vec3(0.250, 0.290, 0.335);
+const vec3 kFloorColor = vec3(0.132, 0.145, 0.162);
 
 vec3 backdrop(vec3 direction) {
     float h = direction.y;
-    vec3 above = mix(kHorizonColor, kSkyColor, smoothstep(-0.02, 0.62, h));
-    vec3 below = mix(kHorizonColor, kFloorColor, smoothstep(0.0, 0.45, -h));
+    vec3 above = mix(kHorizonColor, kSkyColor, smoothstep(-0.05, 0.50, h));
+    vec3 below = mix(kHorizonColor, kFloorColor, smoothstep(0.0, 0.55, -h));
     return h > 0.0 ? above : below;
+}
+
+// Corners a little darker: the eye stays in the middle.
+float vignette(vec3 direction) {
+    float off = (1.0 - dot(direction, sight.xyz)) / sight.w;
+    return 1.0 - 0.38 * off;
 }
 
 // What a glossy surface mirrors: the backdrop, a soft box over the key light, a strip behind, dim floor. Rough surfaces see it blurred.
@@ -22,7 +28,7 @@ vec3 studio(vec3 r, float roughness) {
 // Leaves shades up to 0.7 alone and bends the rest below 1, so that highlights keep their colour.
 vec3 expose(vec3 c) {
     vec3 over = max(c - 0.7, vec3(0.0));
-    return min(c, vec3(0.7)) + 0.3 * (1.0 - exp(-over / 0.3));
+    return min(c, vec3(0.7)) + 0.3 * over / (0.3 + over);
 }
 
 // Half a level of ordered noise: a slow gradient would show bands in eight bits.

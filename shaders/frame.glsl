@@ -2,6 +2,7 @@
 layout(std140) uniform Frame {
     mat4 view_projection;
     mat4 shadow_matrix;      // to the shadow map: x, y, depth in 0..1
+    vec4 sight;              // direction of the camera, w: 1 - cosine at the corners of the picture
     vec4 eye;                // w: pixels per unit of tan(angle), for lines and grids
     vec4 key_direction;      // towards the light; w: depth of the shadow map in scene units
     vec4 fill_direction;

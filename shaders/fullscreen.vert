@@ -1,4 +1,4 @@
-// One triangle that covers the picture, at the far end of the depth range.
+// One triangle that covers the picture.
 out vec2 corner;
 void main() {
     corner = vec2(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0);

@@ -43,27 +43,16 @@ vec3 specular(vec3 n, vec3 v, vec3 l, float alpha, vec3 f0) {
 vec3 wrapped(float n_l, vec3 wrap) { return saturate((vec3(n_l) + wrap) / ((1.0 + wrap) * (1.0 + wrap))); }
 
 #ifdef GRAIN
-float hash(vec3 p) {
-    p = fract(p * 0.1031);
-    p += dot(p, p.zyx + 31.32);
-    return fract((p.x + p.y) * p.z);
-}
-
-float noise(vec3 p) {
-    vec3 i = floor(p), f = p - i;
-    f = f * f * (3.0 - 2.0 * f);
-    return mix(mix(mix(hash(i), hash(i + vec3(1, 0, 0)), f.x), mix(hash(i + vec3(0, 1, 0)), hash(i + vec3(1, 1, 0)), f.x), f.y),
-               mix(mix(hash(i + vec3(0, 0, 1)), hash(i + vec3(1, 0, 1)), f.x), mix(hash(i + vec3(0, 1, 1)), hash(i + vec3(1, 1, 1)), f.x), f.y), f.z);
-}
+uniform sampler3D noise;
 #endif
 
-const vec3 kKeyColor = vec3(2.75, 2.62, 2.42);
-const vec3 kFillColor = vec3(0.42, 0.50, 0.62);
-const vec3 kRimColor = vec3(1.15, 1.30, 1.50);
+const vec3 kKeyColor = vec3(1.85, 1.76, 1.62);
+const vec3 kFillColor = vec3(0.26, 0.31, 0.38);
+const vec3 kRimColor = vec3(1.00, 1.12, 1.30);
 
 // Light from everywhere: sky above, floor below, both dimmed where matter is near.
 vec3 ambient(vec3 n, float openness) {
-    vec3 sky = vec3(0.46, 0.51, 0.58), floor_light = vec3(0.30, 0.285, 0.27);
+    vec3 sky = vec3(0.30, 0.335, 0.39), floor_light = vec3(0.15, 0.145, 0.14);
     return mix(floor_light, sky, 0.5 + 0.5 * n.y) * openness;
 }
 
@@ -77,7 +66,7 @@ vec3 shade_mapped(vec3 n, vec3 v, float light, float openness) {
     float around = (0.42 + 0.14 * n.y) * openness;
     vec3 gloss = specular(n, v, key_direction.xyz, 0.16, vec3(0.03)) * 0.55 * light;
     float edge = schlick(dot(n, v)) * saturate(dot(n, rim_direction.xyz) + 0.3);
-    return albedo * (key * 1.5 + fill + around) + gloss + vec3(0.10) * edge * openness;
+    return albedo * (key * 1.5 + fill + around) + gloss + vec3(0.15, 0.16, 0.18) * edge * openness;
 }
 #endif
 
@@ -86,14 +75,15 @@ vec3 shade(vec3 n, vec3 v, float light, float openness) {
     float alpha = 0.25, coat_alpha = 0.0, coat = 0.0;
 #if LOOK == 0  // wet tissue: red light travels furthest below the surface; a thin film of water on top
     wrap = vec3(0.50, 0.16, 0.12);
-    alpha = 0.30; coat = 0.9; coat_alpha = 0.045;
+    alpha = 0.30; coat = 1.0; coat_alpha = 0.045;
     vec3 bumped = n;
 #ifdef GRAIN
-    float coarse = noise(grain_position * 9.0), fine = noise(grain_position * 31.0);
-    albedo *= 0.80 + 0.30 * coarse + 0.14 * fine;
+    // One read gives four independent noises; the texture repeats after 32 of its steps.
+    float coarse = texture(noise, grain_position * (9.0 / 32.0)).r;
+    vec4 fine = texture(noise, grain_position * (37.0 / 32.0));
+    albedo *= 0.70 + 0.42 * coarse + 0.20 * fine.r;
     albedo = mix(albedo, albedo * vec3(1.25, 1.15, 0.85), 0.5 * smoothstep(0.55, 0.9, coarse));
-    vec3 p = grain_position * 44.0;
-    bumped = normalize(n + 0.075 * (vec3(noise(p), noise(p + 17.0), noise(p + 43.0)) - 0.5));
+    bumped = normalize(n + 0.075 * (fine.gba - 0.5));
 #endif
 #elif LOOK == 1  // rubber
     vec3 bumped = n;
@@ -106,7 +96,7 @@ vec3 shade(vec3 n, vec3 v, float light, float openness) {
     f0 = albedo; albedo = vec3(0.0); alpha = 0.10;
 #else            // paint: tools, arrows
     vec3 bumped = n;
-    alpha = 0.16; wrap = vec3(0.15);
+    albedo *= 0.78; alpha = 0.16; wrap = vec3(0.15);
 #endif
     vec3 l = key_direction.xyz;
     vec3 soft_light = mix(vec3(light), vec3(sqrt(light), light, light), saturate(wrap.r * 1.4));  // shadows on flesh have red edges
@@ -125,9 +115,11 @@ vec3 shade(vec3 n, vec3 v, float light, float openness) {
     vec3 f_view = f0 + (max(vec3(1.0 - roughness), f0) - f0) * schlick(n_v);
     color += specular(bumped, v, l, alpha, f0) * kKeyColor * light;
     color += specular(bumped, v, rim_direction.xyz, alpha, f0) * kRimColor * openness;
+#if LOOK != 0 && LOOK != 2  // where there is a coat, it is what mirrors
     color += studio(around, roughness) * f_view * seen * (LOOK == 3 ? 1.0 : 0.35);
+#endif
     if (coat > 0.0) {
-        float c = coat * (0.02 + 0.98 * schlick(n_v));
+        float c = coat * (0.035 + 0.965 * schlick(n_v));
         color = color * (1.0 - c) + studio(around, 0.12) * c * seen * 0.8
               + specular(bumped, v, l, coat_alpha, vec3(0.02)) * kKeyColor * coat * light * 0.6;
     }
@@ -141,10 +133,6 @@ void main() {
     vec3 v = normalize(eye.xyz - world_position);
     vec3 n = normalize(gl_FrontFacing ? world_normal : -world_normal);
     float openness = value_openness.y;
-    if (ground.y > 0.5) {  // the floor near a surface is dark and sends nothing up
-        float above = max(world_position.y - ground.x, 0.0);
-        openness *= 1.0 - 0.65 * (0.5 - 0.5 * n.y) * exp(-above * 9.0 / ground.z);
-    }
     // Where the surface turns away from the light, its own falloff is the shadow; the map would only add its steps.
     float light = mix(key_light_reaching(world_position, n), 1.0, smoothstep(0.12, -0.12, dot(n, key_direction.xyz)));
 #ifdef MAPPED

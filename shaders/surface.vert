@@ -16,7 +16,12 @@ void main() {
     world_position = position;
     world_normal = normal;
     value_openness = scalar_openness;
+    if (ground.y > 0.5) {  // the floor near a surface is dark and sends nothing up
+        float above = max(position.y - ground.x, 0.0);
+        value_openness.y *= 1.0 - 0.65 * (0.5 - 0.5 * normal.y) * exp(-above * 9.0 / ground.z);
+    }
     base_color = color;
     grain_position = reference;
+    gl_ClipDistance[0] = position.y - ground.x;  // only enabled where there is a ground
     gl_Position = view_projection * vec4(position, 1.0);
 }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "supple/base/error.h"
+#include "supple/mesh/volume_mesh.h"
 
 namespace supple::test {
 
@@ -63,6 +64,28 @@ void expect_error(ErrorCode code, const std::string& where, const std::vector<st
     for (const std::string& word : words) EXPECT_NE(error.message().find(word), std::string::npos) << "\"" << word << "\" is missing in: " << error.what();
 }
 
+/// What every reader promises about a mesh that it accepts.
+inline void expect_consistent(const VolumeMesh& mesh) {
+    const auto in_range = [&](std::int32_t v) { return v >= 0 && std::size_t(v) < mesh.vertices.size(); };
+    for (const Tet& tet : mesh.tets) {
+        for (std::int32_t v : tet) ASSERT_TRUE(in_range(v));
+    }
+    for (const Hex& hex : mesh.hexes) {
+        for (std::int32_t v : hex) ASSERT_TRUE(in_range(v));
+    }
+    for (const Vec3& x : mesh.vertices) ASSERT_TRUE(x.allFinite());
+    ASSERT_EQ(mesh.element_region.size(), mesh.regions.empty() ? 0 : mesh.element_count());
+    for (std::int32_t r : mesh.element_region) ASSERT_TRUE(r >= -1 && r < std::int32_t(mesh.regions.size()));
+    for (const Region& region : mesh.regions) ASSERT_FALSE(region.name.empty());
+    for (const VertexGroup& group : mesh.groups) {
+        for (std::size_t i = 0; i < group.vertices.size(); ++i) {
+            ASSERT_TRUE(in_range(group.vertices[i]));
+            ASSERT_TRUE(i == 0 || group.vertices[i - 1] < group.vertices[i]);
+        }
+    }
+    ASSERT_GT(mesh.element_count(), 0u);
+}
+
 /// One random change of a text: a byte, a piece cut out, doubled or moved, or a number made nasty. Depends on nothing but the generator.
 inline std::string mutated(std::string text, std::mt19937& random) {
     const auto below = [&](std::size_t n) { return n == 0 ? 0 : std::size_t(random() % n); };
@@ -95,6 +118,32 @@ inline std::string mutated(std::string text, std::mt19937& random) {
         }
     }
     return text;
+}
+
+/// Parses `trials` random variants of each text: only Errors may escape, accepted meshes must be consistent. Returns how many were accepted.
+template <class Parse>
+std::size_t expect_only_errors(const std::vector<std::string>& texts, int trials, unsigned seed, Parse&& parse) {
+    std::mt19937 random(seed);
+    std::size_t accepted = 0;
+    for (const std::string& whole : texts) {
+        for (int trial = 0; trial < trials; ++trial) {
+            std::string text = whole;
+            for (unsigned change = 0, changes = 1 + random() % 4; change < changes; ++change) text = mutated(text, random);
+            try {
+                expect_consistent(parse(text));
+                ++accepted;
+            } catch (const Error& error) {
+                EXPECT_FALSE(error.where().empty() || error.message().empty()) << text;
+            } catch (const std::exception& other) {
+                ADD_FAILURE() << other.what() << "\n" << text;
+            }
+            if (testing::Test::HasFailure()) {
+                ADD_FAILURE() << "in this text:\n" << text;
+                return accepted;
+            }
+        }
+    }
+    return accepted;
 }
 
 }  // namespace supple::test

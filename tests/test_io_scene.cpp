@@ -182,7 +182,7 @@ TEST(IoScene, SyntaxErrorsNameTheLine) {
     refuse("{\"supple_scene\": 1, \"bodies\": [", "s.json:1", {});
     refuse("{\n\"supple_scene\": 1} trailing", "s.json:2", {});
     refuse("{\"supple_scene\": 1,\n \"time_step_s\": 1e999}", "s.json:2", {});
-    refuse("{\"supple_scene\": 1, \"supple_scene\": 1}", "s.json", {"\"supple_scene\"", "twice"});
+    refuse("{\"supple_scene\": 1,\n \"bodies\": [{\n \"name\": 1}],\n \"supple_scene\": 1,\n \"bodies\": 1}", "s.json:4", {"\"supple_scene\"", "twice"});
     refuse("{\"supple_scene\": \"\xff\"}", "s.json:1", {});
     refuse(std::string(100000, '['), "s.json:1", {});
     refuse(std::string(100000, '[') + std::string(100000, ']'), "s.json:/", {"must be an object"});
@@ -241,7 +241,7 @@ TEST(IoScene, MistakesNameThePointerAndTheFix) {
     refuse(one_body(R"("fixed": ["left"])"), b + "fixed/0", {"\"all\"", "group"});
     refuse(one_body(R"("fixed": [7])"), b + "fixed/0", {"object"});
     refuse(one_body(R"("fixed": [{"all": false}])"), b + "fixed/0/all", {"true"});
-    refuse(one_body(R"("fixed": [{"all": true, "group": "a"}])"), b + "fixed/0/group", {"exclude each other"});
+    refuse(one_body(R"("fixed": [{"all": true, "group": "a"}])"), b + "fixed/0/all", {"exclude each other"});
     refuse(one_body(R"("fixed": [{"group": "a"}])"), b + "fixed/0/group", {"no group"});
     refuse(one_body(R"("fixed": [{"vertices": [12]}])"), b + "fixed/0/vertices/0", {"12", "[0, 11]"});
     refuse(one_body(R"("fixed": [{"vertices": []}])"), b + "fixed/0/vertices", {"no vertex"});

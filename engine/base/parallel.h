@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
@@ -10,13 +11,19 @@ namespace supple {
 /// Threads that this machine offers.
 int hardware_threads();
 
-/// A team of threads inside one with_team() region. Rank 0 runs serial code and hands out loops; the others wait for them.
+inline constexpr int kMaxThreads = 256;
+
+/// A team of threads inside one with_team() region. Rank 0 runs serial code and hands out loops; the others help with them.
 ///
 /// A loop is cut into chunks whose number depends on the problem only, never on the team: sums are taken chunk by chunk, so every
-/// team size gives the same bits. Chunk i goes to the rank that owns it in every loop of the same length (locality). Waiting is a bounded spin, then a futex:
-/// a team whose cores are taken by others sleeps instead of burning the time slice that its partner needs.
+/// team size gives the same bits. Each rank first takes the chunks that it owns in every loop of the same length (locality), then those that others have not begun.
+/// Nobody is waited for but who holds a chunk: a partner whose core is taken by another process costs its help, not a scheduler tick.
 class Team {
 public:
+    Team() = default;
+    Team(const Team&) = delete;
+    Team& operator=(const Team&) = delete;
+
     int size() const { return size_; }
 
     /// Runs body(chunk) for chunk = 0..chunks-1 and waits for all. `body` must not throw. Rank 0 only.
@@ -32,27 +39,29 @@ public:
     }
 
 private:
-    friend void with_team(int threads, FunctionRef<void(Team&)> body);
     friend struct TeamRegion;
-
     using Loop = FunctionRef<void(std::size_t)>;
 
-    void start(int size) { size_ = size; }
-    void run_share(int rank) const;
-    void hand_out();
-    void await_shares() const;
+    /// Next chunk of the share of one rank, tagged with the loop it belongs to (loop << 32 | chunk): a rank that wakes late finds
+    /// another tag and takes nothing.
+    struct alignas(64) Cursor {
+        std::atomic<std::uint64_t> next{0};
+    };
+
+    std::size_t share_begin(std::size_t chunks, int rank) const { return chunks * std::size_t(rank) / std::size_t(size_); }
+    void work(int rank, std::uint32_t epoch);
     void serve(int rank);
     void dismiss();
 
     int size_ = 1;
-    std::size_t chunks_ = 0;
-    const Loop* loop_ = nullptr;                         ///< null tells the others to go home
-    alignas(64) std::atomic<std::uint32_t> epoch_{0};    ///< one more for every loop handed out
-    alignas(64) std::atomic<std::uint32_t> finished_{0}; ///< shares done since the team began
-    std::uint32_t expected_ = 0;
+    std::atomic<const Loop*> loop_{nullptr};             ///< null tells the others to go home
+    std::atomic<std::size_t> chunks_{0};
+    alignas(64) std::atomic<std::uint32_t> epoch_{0};    ///< number of the loop handed out last
+    alignas(64) std::atomic<std::uint32_t> finished_{0}; ///< chunks of it that are done
+    std::array<Cursor, kMaxThreads> cursor_;
 };
 
-/// Runs body(team) on the calling thread, with `threads` threads at its call; one OpenMP region. 1 runs it without any.
+/// Runs body(team) on the calling thread, with `threads` (at most kMaxThreads) threads at its call; one OpenMP region. 1 runs it without any.
 /// An exception from `body` passes through after the team has gone home.
 void with_team(int threads, FunctionRef<void(Team&)> body);
 

@@ -4,12 +4,23 @@
 
 namespace supple::fem {
 
+Frame frame_of(const Material& material) {
+    const Corotational* corotational = std::get_if<Corotational>(&material);
+    if (corotational == nullptr) return Frame::rest;
+    switch (corotational->rotation) {
+        case Rotation::large: return Frame::large;
+        case Rotation::svd: return Frame::svd;
+        case Rotation::polar: break;
+    }
+    return Frame::polar;
+}
+
 void run_elements(Team& team, const ElementSet& set, Tet4Pass pass) {
     pass.vertex = set.rest.vertex.data();
     pass.gradient = set.rest.gradient.data();
     pass.volume = set.rest.volume.data();
     pass.moduli = set.moduli.data();
-    team.for_range(set.rest.blocks(), kBlockChunk, [&](std::size_t begin, std::size_t end) { set.kernels.elements(pass, begin, end); });
+    team.for_range(set.rest.blocks(), kBlockChunk, [&](std::size_t begin, std::size_t end) { set.kernels.elements[std::size_t(set.frame)](pass, begin, end); });
 }
 
 void stiffness_product(Team& team, const ElementSet& set, const double* quaternion, std::span<const Vec3> field,

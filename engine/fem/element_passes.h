@@ -5,6 +5,7 @@
 #include "supple/base/parallel.h"
 #include "supple/fem/corners.h"
 #include "supple/fem/tet4.h"
+#include "supple/material/material.h"
 
 namespace supple::fem {
 
@@ -19,7 +20,11 @@ struct ElementSet {
     const CornerMap& corners;
     std::span<const double> moduli;
     const Tet4Kernels& kernels;
+    Frame frame = Frame::polar;
 };
+
+/// Frame of a material's elements.
+Frame frame_of(const Material& material);
 
 /// A pass over all elements; fills in what the set knows, the caller sets positions, rotations and outputs.
 void run_elements(Team& team, const ElementSet& set, Tet4Pass pass);

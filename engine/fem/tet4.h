@@ -31,7 +31,7 @@ struct Tet4Pass {
     const double* moduli = nullptr;       ///< [block][lambda mu][lane] [Pa]
     const double* position = nullptr;     ///< [vertex][3] [m]
 
-    double* quaternion = nullptr;         ///< [block][w x y z][lane]: warm start in, rotation of the element out
+    double* quaternion = nullptr;         ///< [block][w x y z][lane]: warm start in (polar), rotation of the element out
     double* corner_force = nullptr;       ///< out [element][corner][x y z 0] [N], elastic force on each corner
     float* record_f = nullptr;            ///< out, element record (below), float32 or float64
     double* record_d = nullptr;
@@ -69,9 +69,13 @@ struct Tet4Assembly {
     Real* value = nullptr;                       ///< out [block][column 0..2][x y z 0]
 };
 
+/// How an element finds its frame: `rest` never turns (small displacements), the others as in material.h.
+enum class Frame { rest, large, polar, svd };
+inline constexpr std::size_t kFrames = 4;
+
 struct Tet4Kernels {
-    /// Rotation, and any of force, record, energy, stress, of the blocks [begin, end).
-    void (*elements)(const Tet4Pass& pass, std::size_t begin, std::size_t end);
+    /// [frame] Rotation, and any of force, record, energy, stress, of the blocks [begin, end).
+    void (*elements[kFrames])(const Tet4Pass& pass, std::size_t begin, std::size_t end);
     void (*product)(const Tet4Product& pass, std::size_t begin, std::size_t end);
     /// Blocks (i, j >= i) of the rows i in [begin, end) and their mirrors.
     void (*assemble_f)(const Tet4Assembly<float>& pass, std::size_t begin, std::size_t end);

@@ -1,65 +1,50 @@
 #pragma once
 /// The kernels of linear tetrahedra, compiled once per instruction set by tet4_kernels_<isa>.cpp.
 ///
-/// Corotational linear elasticity on one element, rest gradients g_a, R = rotation of F = sum_a x_a g_a^T:
-///     W   = V (mu |F - R|^2 + lambda/2 tr(R^T F - I)^2)
-///     P   = 2 mu (F - R) + lambda tr(R^T F - I) R,        f_a = -V P g_a
+/// Linear elasticity in the frame R of an element, rest gradients g_a, F = sum_a x_a g_a^T:
+///     e   = sym(R^T F) - I,                    s = 2 mu e + lambda tr(e) I
+///     W   = V (mu e:e + lambda/2 tr(e)^2)      (an energy of x where R is I or the polar factor)
+///     P   = R s,                               f_a = -V P g_a,      sigma = R s R^T
 ///     K_ab (R held) = V (lambda g'_a g'_b^T + mu g'_b g'_a^T + mu (g_a.g_b) I),   g' = R g
-///     sigma = R (2 mu e + lambda tr(e) I) R^T,            e = sym(R^T F) - I
-#include "supple/fem/tet4.h"
+#include "supple/fem/tet4_lanes.h"
 #include "supple/math/lane_polar.h"
+#include "supple/math/lane_svd.h"
 #include "supple/math/lanes4.h"
 
 namespace supple::fem {
 inline namespace SUPPLE_ISA {
 namespace {
 
-using Vector = V3<Lanes>;
-using Matrix = M3<Lanes>;
+/// Columns: x along the first edge, z across the plane of the first two, y completes; zero columns where an edge is gone.
+inline Matrix edge_frame(const Vector& first, const Vector& second) {
+    const Lanes one(1.0), tiny(1e-150);
+    const Vector x = (one / larger(root(dot(first, first)), tiny)) * first;
+    const Vector normal = cross(x, second);
+    const Vector z = (one / larger(root(dot(normal, normal)), tiny)) * normal;
+    const Vector y = cross(z, x);
+    return {{{x.x, y.x, z.x}, {x.y, y.y, z.y}, {x.z, y.z, z.z}}};
+}
 
-/// Values of a vertex field at the corners of the elements in some lanes of a block, as differences to corner 0.
-inline void corner_differences(const double* field, const std::int32_t* vertex, Vector d[3]) {
-    alignas(64) double c[4][3][kLanes];
-    for (int a = 0; a < 4; ++a) {
-        for (int lane = 0; lane < kLanes; ++lane) {
-            const double* p = field + 3 * std::size_t(vertex[a * int(kBlock) + lane]);
-            c[a][0][lane] = p[0];
-            c[a][1][lane] = p[1];
-            c[a][2][lane] = p[2];
-        }
+/// R of an element, and its quaternion. d: current edges from corner 0; g: rest gradients.
+template <Frame frame>
+inline Matrix find_rotation(const Matrix& F, const Vector d[3], const Vector g[3], Quat<Lanes>& q) {
+    if constexpr (frame == Frame::rest) {
+        q = {Lanes(1.0), Lanes(0.0), Lanes(0.0), Lanes(0.0)};
+    } else if constexpr (frame == Frame::large) {
+        // The rest edges are the columns of the inverse of the gradients' matrix: along g2 x g3 and g3 x g1.
+        const Matrix now = edge_frame(d[0], d[1]), rest = edge_frame(cross(g[1], g[2]), cross(g[2], g[0]));
+        Matrix R;
+        for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < 3; ++j) R.m[i][j] = now.m[i][0] * rest.m[j][0] + now.m[i][1] * rest.m[j][1] + now.m[i][2] * rest.m[j][2];
+        q = quaternion(R);
+    } else {
+        if constexpr (frame == Frame::svd) q = quaternion(svd_rotation(F));
+        return polar_rotation(F, q);
     }
-    const Vector c0{load(c[0][0]), load(c[0][1]), load(c[0][2])};
-    for (int k = 0; k < 3; ++k) d[k] = Vector{load(c[k + 1][0]), load(c[k + 1][1]), load(c[k + 1][2])} - c0;
+    return rotation_matrix(q);
 }
 
-inline void load_gradients(const double* gradient, Vector g[3]) {
-    for (int k = 0; k < 3; ++k) {
-        const double* p = gradient + std::size_t(3 * k) * kBlock;
-        g[k] = {load(p), load(p + kBlock), load(p + 2 * kBlock)};
-    }
-}
-
-/// Writes four vectors per lane as [lane][corner][x y z w]; w given for corners 0 and 1, zero for the others.
-template <class Real>
-inline void store_corners(Real* out, const Vector v[4], Lanes w0, Lanes w1) {
-    alignas(64) double s[16][kLanes];
-    const Lanes zero(0.0);
-    for (int a = 0; a < 4; ++a) {
-        store(s[4 * a], v[a].x);
-        store(s[4 * a + 1], v[a].y);
-        store(s[4 * a + 2], v[a].z);
-        store(s[4 * a + 3], a == 0 ? w0 : a == 1 ? w1 : zero);
-    }
-    for (int lane = 0; lane < kLanes; ++lane)
-        for (int i = 0; i < 16; ++i) out[std::size_t(lane) * 16 + std::size_t(i)] = Real(s[i][lane]);
-}
-
-/// f_a = -scale P g_a for the four corners.
-inline void corner_forces(const Matrix& P, const Vector g[3], Lanes scale, Vector f[4]) {
-    for (int k = 0; k < 3; ++k) f[k + 1] = (Lanes(0.0) - scale) * (P * g[k]);
-    f[0] = Lanes(-1.0) * (f[1] + f[2] + f[3]);  // the four cancel to the last bit but one: no net force
-}
-
+template <Frame frame>
 inline void elements(const Tet4Pass& pass, std::size_t begin, std::size_t end) {
     const Lanes one(1.0), two(2.0), half(0.5);
     for (std::size_t at = begin * kBlock; at < end * kBlock; at += kLanes) {
@@ -74,20 +59,23 @@ inline void elements(const Tet4Pass& pass, std::size_t begin, std::size_t end) {
 
         const Matrix F = gradient(d, g);
         Quat<Lanes> q{load(quaternion), load(quaternion + kBlock), load(quaternion + 2 * kBlock), load(quaternion + 3 * kBlock)};
-        const Matrix R = polar_rotation(F, q);
+        const Matrix R = find_rotation<frame>(F, d, g, q);
         store(quaternion, q.w);
         store(quaternion + kBlock, q.x);
         store(quaternion + 2 * kBlock, q.y);
         store(quaternion + 3 * kBlock, q.z);
 
-        Lanes trace(-3.0);  // tr(R^T F - I)
+        const Matrix G = transposed_product(R, F);
+        const Lanes trace = G.m[0][0] + G.m[1][1] + G.m[2][2] - Lanes(3.0);
+        Matrix S;  // s, the stress in the frame
         for (int i = 0; i < 3; ++i)
-            for (int j = 0; j < 3; ++j) trace = trace + R.m[i][j] * F.m[i][j];
+            for (int j = 0; j < 3; ++j) {
+                S.m[i][j] = mu * (G.m[i][j] + G.m[j][i]);
+                if (i == j) S.m[i][j] = two * mu * (G.m[i][i] - one) + lambda * trace;
+            }
+        const Matrix P = R * S;
 
         if (pass.corner_force != nullptr) {
-            Matrix P;
-            for (int i = 0; i < 3; ++i)
-                for (int j = 0; j < 3; ++j) P.m[i][j] = two * mu * (F.m[i][j] - R.m[i][j]) + lambda * trace * R.m[i][j];
             Vector f[4];
             corner_forces(P, g, V, f);
             store_corners(pass.corner_force + at * 16, f, Lanes(0.0), Lanes(0.0));
@@ -100,25 +88,20 @@ inline void elements(const Tet4Pass& pass, std::size_t begin, std::size_t end) {
             if (pass.record_d != nullptr) store_corners(pass.record_d + at * kRecord, r, lambda * V, mu * V);
         }
         if (pass.energy != nullptr) {
-            Lanes dd(0.0);
-            for (int i = 0; i < 3; ++i)
-                for (int j = 0; j < 3; ++j) dd = dd + (F.m[i][j] - R.m[i][j]) * (F.m[i][j] - R.m[i][j]);
-            store(pass.energy + at, V * (mu * dd + half * lambda * trace * trace));
-        }
-        if (pass.stress != nullptr) {
-            const Matrix G = transposed_product(R, F);
-            Matrix S;  // unrotated stress
+            Lanes ee(0.0);
             for (int i = 0; i < 3; ++i)
                 for (int j = 0; j < 3; ++j) {
-                    S.m[i][j] = mu * (G.m[i][j] + G.m[j][i]);
-                    if (i == j) S.m[i][j] = S.m[i][j] - two * mu * one + lambda * trace;
+                    const Lanes e = half * (G.m[i][j] + G.m[j][i]) - (i == j ? one : Lanes(0.0));
+                    ee = ee + e * e;
                 }
-            const Matrix RS = R * S;
+            store(pass.energy + at, V * (mu * ee + half * lambda * trace * trace));
+        }
+        if (pass.stress != nullptr) {
             constexpr int kRow[6] = {0, 1, 2, 0, 1, 2}, kColumn[6] = {0, 1, 2, 1, 2, 0};
             double* stress = pass.stress + block * 6 * kBlock + lane;
             for (int c = 0; c < 6; ++c) {
                 const int i = kRow[c], j = kColumn[c];
-                store(stress + std::size_t(c) * kBlock, RS.m[i][0] * R.m[j][0] + RS.m[i][1] * R.m[j][1] + RS.m[i][2] * R.m[j][2]);
+                store(stress + std::size_t(c) * kBlock, P.m[i][0] * R.m[j][0] + P.m[i][1] * R.m[j][1] + P.m[i][2] * R.m[j][2]);
             }
         }
     }
@@ -194,7 +177,7 @@ inline void assemble(const Tet4Assembly<Real>& pass, std::size_t begin, std::siz
     }
 }
 
-inline constexpr Tet4Kernels kKernels{elements, product, assemble<float>, assemble<double>};
+inline constexpr Tet4Kernels kKernels{{elements<Frame::rest>, elements<Frame::large>, elements<Frame::polar>, elements<Frame::svd>}, product, assemble<float>, assemble<double>};
 
 }  // namespace
 }  // namespace SUPPLE_ISA

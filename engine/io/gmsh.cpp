@@ -3,7 +3,7 @@
 #include <cstdlib>
 #include <limits>
 
-#include "supple/io/gmsh_builder.h"
+#include "supple/io/gmsh_parts.h"
 
 namespace supple::io {
 
@@ -72,7 +72,7 @@ void read_section(const TextScanner& file, const Section& section, Read&& read) 
     TextScanner scanner = file.part(section.begin, section.end);
     read(scanner);
     scanner.skip_space();
-    if (!scanner.at_end()) scanner.fail("$" + std::string(section.name) + " holds more than its counts announce");
+    if (!scanner.at_end()) scanner.fail("section $" + std::string(section.name) + " holds more than its counts announce");
     if (section.end == file.end()) scanner.fail("section $" + std::string(section.name) + " is not closed: the file is truncated");
 }
 
@@ -99,7 +99,7 @@ int read_format(TextScanner& scanner) {
                  line, ErrorCode::unsupported);
 }
 
-void read_names(TextScanner& scanner, GmshBuilder& builder) {
+void read_names(TextScanner& scanner, MeshBuilder& builder) {
     scanner.skip_space();
     const std::int64_t count = scanner.integer("the number of physical names", 0, std::numeric_limits<std::int64_t>::max());
     scanner.end_line("the number of physical names");
@@ -137,7 +137,7 @@ VolumeMesh parse_gmsh(std::string_view text, const std::string& name) {
         file.fail("this Gmsh file is partitioned; save it without partitions (in Gmsh: Mesh > Unpartition)", partitioned->begin - 1, ErrorCode::unsupported);
     }
 
-    GmshBuilder builder;
+    MeshBuilder builder;
     if (const Section* names = section("PhysicalNames")) read_section(file, *names, [&](TextScanner& s) { read_names(s, builder); });
     GmshEntities entities;
     if (const Section* list = version == 4 ? section("Entities") : nullptr) {

@@ -1,7 +1,7 @@
 // Gmsh 1 and 2: one record per line, a flat list of nodes and one of elements.
 #include <limits>
 
-#include "supple/io/gmsh_builder.h"
+#include "supple/io/gmsh_parts.h"
 
 namespace supple::io {
 
@@ -26,7 +26,7 @@ void check_not_ended(TextScanner& scanner, const char* what, std::int64_t index,
 
 }  // namespace
 
-void read_gmsh2_nodes(TextScanner& scanner, GmshBuilder& builder, bool parametric) {
+void read_gmsh2_nodes(TextScanner& scanner, MeshBuilder& builder, bool parametric) {
     const std::int64_t count = read_count(scanner, "the number of nodes");
     builder.reserve_vertices(scanner.plausible(count, 8));  // "1 0 0 0\n"
     for (std::int64_t i = 0; i < count; ++i) {
@@ -46,14 +46,14 @@ void read_gmsh2_nodes(TextScanner& scanner, GmshBuilder& builder, bool parametri
     }
 }
 
-void read_gmsh2_elements(TextScanner& scanner, GmshBuilder& builder, bool version1) {
+void read_gmsh2_elements(TextScanner& scanner, MeshBuilder& builder, bool version1) {
     const std::int64_t count = read_count(scanner, "the number of elements");
-    std::int64_t ids[kGmshMostVertices];
+    std::int64_t ids[kMostElementVertices];
     for (std::int64_t i = 0; i < count; ++i) {
         check_not_ended(scanner, "element", i, count);
         const char* line = scanner.position();
         scanner.integer("the element number");
-        const GmshElementType& type = gmsh_element_type(scanner, line, scanner.integer("the element type"));
+        const ElementType& type = gmsh_element_type(scanner, line, scanner.integer("the element type"));
         std::int64_t physical = 0;
         if (version1) {
             physical = scanner.integer("the physical tag", std::numeric_limits<int>::min() + 1, std::numeric_limits<int>::max());

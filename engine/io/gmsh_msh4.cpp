@@ -2,7 +2,7 @@
 #include <cstdlib>
 #include <limits>
 
-#include "supple/io/gmsh_builder.h"
+#include "supple/io/gmsh_parts.h"
 
 namespace supple::io {
 
@@ -76,7 +76,7 @@ GmshEntities read_gmsh4_entities(TextScanner& scanner) {
     return entities;
 }
 
-void read_gmsh4_nodes(TextScanner& scanner, GmshBuilder& builder) {
+void read_gmsh4_nodes(TextScanner& scanner, MeshBuilder& builder) {
     const Header header = read_header(scanner, "the number of nodes");
     builder.reserve_vertices(scanner.plausible(header.records, 8));  // "1\n0 0 0\n"
     std::int64_t done = 0;
@@ -112,16 +112,16 @@ void read_gmsh4_nodes(TextScanner& scanner, GmshBuilder& builder) {
     check_total(scanner, "nodes", done, header.records);
 }
 
-void read_gmsh4_elements(TextScanner& scanner, GmshBuilder& builder, const GmshEntities& entities) {
+void read_gmsh4_elements(TextScanner& scanner, MeshBuilder& builder, const GmshEntities& entities) {
     const Header header = read_header(scanner, "the number of elements");
     std::int64_t done = 0;
-    std::int64_t ids[kGmshMostVertices];
+    std::int64_t ids[kMostElementVertices];
     for (std::int64_t block = 0; block < header.blocks; ++block) {
         check_not_ended(scanner, "element block", block, header.blocks);
         const char* head = scanner.position();
         const std::int64_t dimension = scanner.integer("the dimension of the entity", 0, 3);
         const std::int64_t entity = scanner.integer("the entity tag");
-        const GmshElementType& type = gmsh_element_type(scanner, head, scanner.integer("the element type"));
+        const ElementType& type = gmsh_element_type(scanner, head, scanner.integer("the element type"));
         const std::int64_t count = read_block_count(scanner, "the number of elements of the block", done, header.records);
         if (type.dimension != dimension) {
             scanner.fail("a " + std::string(type.name) + " cannot lie in an entity of dimension " + std::to_string(dimension), head);

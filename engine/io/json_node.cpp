@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <iterator>
 #include <set>
 
 namespace supple::io {
@@ -39,10 +40,24 @@ std::string escaped(std::string_view key) {
     return text;
 }
 
-std::size_t line_of(std::string_view text, std::size_t byte) {
-    byte = std::min(byte, text.size());
-    return 1 + std::size_t(std::count(text.begin(), text.begin() + std::ptrdiff_t(byte), '\n'));
-}
+/// Reads a text and tells others how far: the parser names a position with some of its errors only.
+struct CountingIterator {
+    using iterator_category = std::input_iterator_tag;
+    using value_type = char;
+    using difference_type = std::ptrdiff_t;
+    using pointer = const char*;
+    using reference = const char&;
+
+    const char* at;
+    const char** furthest;
+
+    reference operator*() const { return *at; }
+    CountingIterator& operator++() {
+        *furthest = ++at;
+        return *this;
+    }
+    bool operator==(const CountingIterator& other) const { return at == other.at; }
+};
 
 /// The library's sentence without its own code and position, which stand in `where` already.
 std::string plain_sentence(std::string_view what) {
@@ -77,23 +92,30 @@ nlohmann::json parse_json(std::string_view text, const std::string& name) {
     using nlohmann::json;
     if (text.substr(0, 3) == "\xEF\xBB\xBF") text.remove_prefix(3);
     std::vector<std::set<std::string>> keys;  // of the objects that are open
-    std::string repeated;
+    std::string repeated, repeated_where;
+    const char* furthest = text.data();
+    const auto here = [&] {
+        // The character behind the last token has been looked at: a line end there belongs to the token's line.
+        const char* last = furthest == text.data() ? furthest : furthest - 1;
+        return name + ":" + std::to_string(1 + std::count(text.data(), last, '\n'));
+    };
     const auto watch = [&](int, json::parse_event_t event, json& parsed) {
         if (event == json::parse_event_t::object_start) keys.emplace_back();
         if (event == json::parse_event_t::object_end) keys.pop_back();
-        if (event == json::parse_event_t::key && repeated.empty() && !keys.back().insert(parsed.get<std::string>()).second) repeated = parsed.get<std::string>();
+        if (event == json::parse_event_t::key && repeated_where.empty() && !keys.back().insert(parsed.get<std::string>()).second) {
+            repeated = parsed.get<std::string>();
+            repeated_where = here();
+        }
         return true;
     };
     try {
-        json document = json::parse(text.begin(), text.end(), watch, true, true);
-        if (!repeated.empty()) {
-            throw Error(ErrorCode::parse, name, "the key \"" + repeated + "\" occurs twice in one object; keep one of them");
+        json document = json::parse(CountingIterator{text.data(), &furthest}, CountingIterator{text.data() + text.size(), &furthest}, watch, true, true);
+        if (!repeated_where.empty()) {
+            throw Error(ErrorCode::parse, repeated_where, "the key \"" + repeated + "\" occurs twice in one object; keep one of them");
         }
         return document;
-    } catch (const json::parse_error& error) {
-        throw Error(ErrorCode::parse, name + ":" + std::to_string(line_of(text, error.byte > 0 ? error.byte - 1 : 0)), plain_sentence(error.what()));
     } catch (const json::exception& error) {
-        throw Error(ErrorCode::parse, name, plain_sentence(error.what()));
+        throw Error(ErrorCode::parse, here(), plain_sentence(error.what()));
     }
 }
 

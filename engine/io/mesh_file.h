@@ -8,7 +8,7 @@
 namespace supple::io {
 
 /// Reads a volume mesh; the format is found from the content, not only the ending. Vertex order is that of the file.
-/// Read: Gmsh 1, 2.x and 4.1 ASCII (gmsh.h). Every other common format is refused by its name, with what to do.
+/// Read, as ASCII: Gmsh 1, 2.x and 4.1 (gmsh.h), Medit .mesh (medit.h), VTK legacy and VTU unstructured grids (vtk.h). Every other common format is refused by its name, with what to do.
 /// Not yet checked or repaired: BodyTemplate::build() does that.
 /// @error Error(parse) "file:line: ...", Error(surface_mesh), Error(unsupported), Error(file_unreadable)
 VolumeMesh read_mesh(const std::filesystem::path& file);

@@ -49,7 +49,6 @@ std::string_view first_word(std::string_view bytes) {
 const char* const kConvert = "convert it to Gmsh 2.2 or 4.1 ASCII first, e.g. with meshio (meshio convert IN OUT.msh --output-format gmsh22 --ascii)";
 
 MeshFormat from_content(std::string_view bytes) {
-    if (starts_with(bytes, "\xEF\xBB\xBF")) bytes.remove_prefix(3);
     if (starts_with(bytes, "\x1f\x8b") || starts_with(bytes, "PK\x03\x04")) return {Kind::volume, "a compressed file", "unpack it first"};
     if (starts_with(bytes, "glTF")) return {Kind::surface, "a binary glTF file", ""};
     if (starts_with(bytes, "\x89HDF")) return {Kind::volume, "an HDF5 file", kConvert};
@@ -57,14 +56,14 @@ MeshFormat from_content(std::string_view bytes) {
     const std::size_t first = bytes.find_first_not_of(" \t\r\n");
     if (first == std::string_view::npos) return {};
     const std::string_view head = bytes.substr(first, 4096);
-    if (starts_with(head, "# vtk DataFile")) return {Kind::vtk_legacy, "a VTK legacy file", kConvert};
+    if (starts_with(head, "# vtk DataFile")) return {Kind::vtk_legacy, "a VTK legacy file", ""};
     if (starts_with(head, "<VTKFile") || (starts_with(head, "<?xml") && head.find("<VTKFile") != std::string_view::npos)) {
-        return {Kind::vtk_xml, "a VTK XML file", kConvert};
+        return {Kind::vtk_xml, "a VTK XML file", ""};
     }
     const std::string_view word = first_word(bytes);
     if (word.empty()) return {};
     if (word.front() == '$') return {Kind::gmsh, "a Gmsh file", ""};
-    if (starts_with(word, "MeshVersionFormatted")) return {Kind::medit, "a Medit file", kConvert};
+    if (starts_with(word, "MeshVersionFormatted")) return {Kind::medit, "a Medit file", ""};
     if (is_one_of(word, {"OFF", "COFF", "NOFF", "CNOFF", "STOFF", "4OFF", "nOFF"})) return {Kind::surface, "an OFF file", ""};
     if (word == "ply") return {Kind::surface, "a PLY file", ""};
     if (word == "solid") return {Kind::surface, "an STL file", ""};

@@ -2,16 +2,16 @@
 
 #include "supple/io/binary_file.h"
 #include "supple/io/scene_parts.h"
+#include "supple/io/text_scanner.h"
 
 namespace supple::io {
 
-void require_keys(const JsonNode& node, std::initializer_list<std::string_view> known, std::initializer_list<std::string_view> planned,
+void require_keys(const JsonNode& node, std::vector<std::string_view> known, std::initializer_list<std::string_view> planned,
                   const std::string& message) {
-    std::vector<std::string_view> all(known);
-    all.insert(all.end(), planned);
-    node.require_object(all);
+    known.insert(known.end(), planned);
+    node.require_object(known);
     for (std::string_view key : planned) {
-        if (node.has(key)) node.at(key).unsupported("\"" + std::string(key) + "\" " + message);
+        if (node.has(key)) node.at(key).unsupported(quoted(key) + " " + message);
     }
 }
 

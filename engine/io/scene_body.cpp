@@ -9,6 +9,16 @@ namespace {
 constexpr double kMostCells = 2e7;
 const char* const kNoHexes = "hexahedra cannot be simulated by this build; use tetrahedra";
 
+/// Runs `make`, putting the place in the scene before the message of what went wrong in a mesh.
+template <class Make>
+auto at_pointer(const JsonNode& node, Make&& make) {
+    try {
+        return make();
+    } catch (const Error& error) {
+        throw Error(error.code(), node.where(), error.what());
+    }
+}
+
 VolumeMesh read_generated_box(const JsonNode& node) {
     node.require_object({"min_m", "max_m", "cells", "elements"});
     BoxDef def;
@@ -26,24 +36,14 @@ VolumeMesh read_generated_box(const JsonNode& node) {
     if (node.has("elements") && node.at("elements").choice({"tets", "hexes"}) == "hexes") {
         node.at("elements").unsupported(std::string(kNoHexes) + ": \"elements\": \"tets\"");
     }
-    return make_tet_box(def);
-}
-
-/// Runs `make`, putting the place in the scene before the message of what went wrong in a mesh.
-template <class Make>
-auto at_pointer(const JsonNode& node, Make&& make) {
-    try {
-        return make();
-    } catch (const Error& error) {
-        throw Error(error.code(), node.where(), error.what());
-    }
+    return at_pointer(node, [&] { return make_tet_box(def); });
 }
 
 std::shared_ptr<const BodyTemplate> read_shape(const JsonNode& node, double scale, SceneContext& context) {
     if (node.has("mesh") && node.has("box")) node.at("box").fail("a body has a \"mesh\" or a \"box\", not both; remove one");
     if (node.has("box")) {
         const JsonNode box = node.at("box");
-        VolumeMesh mesh = at_pointer(box, [&] { return read_generated_box(box); });
+        VolumeMesh mesh = read_generated_box(box);
         return at_pointer(box, [&] { return BodyTemplate::build(std::move(mesh), scale); });
     }
     const JsonNode path = node.at("mesh", "give \"mesh\": \"file\" or \"box\": {\"min_m\", \"max_m\", \"cells\"}");

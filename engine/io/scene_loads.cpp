@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "supple/io/scene_parts.h"
+#include "supple/io/text_scanner.h"
 
 namespace supple::io {
 
@@ -10,7 +11,7 @@ std::string_view only_key(const JsonNode& node, std::span<const std::string_view
     std::string_view found;
     for (std::string_view key : keys) {
         if (!node.has(key)) continue;
-        if (!found.empty()) node.at(key).fail("\"" + std::string(key) + "\" and \"" + std::string(found) + "\" exclude each other; keep one");
+        if (!found.empty()) node.at(key).fail(quoted(key) + " and " + quoted(found) + " exclude each other; keep one");
         found = key;
     }
     if (found.empty()) node.fail(missing);
@@ -116,19 +117,8 @@ Timeline<typename Value::Type> read_timeline(const JsonNode& entry, std::string_
     return timeline;
 }
 
-void require_entry(const JsonNode& node, std::initializer_list<std::string_view> keys, std::initializer_list<std::string_view> planned = {},
-                   const std::string& message = {}) {
-    std::vector<std::string_view> all(kSelectionKeys.begin(), kSelectionKeys.end());
-    all.insert(all.end(), keys);
-    all.insert(all.end(), planned);
-    node.require_object(all);
-    for (std::string_view key : planned) {
-        if (node.has(key)) node.at(key).unsupported("\"" + std::string(key) + "\" " + message);
-    }
-}
-
 Motion read_motion(const JsonNode& node, const VolumeMesh& mesh) {
-    require_entry(node, {"axes", "displacement_m", "velocity_m_s", "affine", "times_s"});
+    require_keys(node, with_selection_keys({"axes", "displacement_m", "velocity_m_s", "affine", "times_s"}));
     Motion motion;
     motion.where = read_selection(node, mesh);
     motion.axes = read_axes(node);
@@ -151,8 +141,9 @@ bool touches_boundary(const BodyTemplate& shape, const Selection& where) {
 }
 
 Load read_load(const JsonNode& node, const BodyTemplate& shape) {
-    require_entry(node, {"force_n", "force_per_vertex_n", "traction_pa", "body_force_n_m3", "times_s"}, {"pressure_pa", "follower", "moment_nm", "axis"},
-                  "is not available in this build; supported are force_n, force_per_vertex_n, traction_pa and body_force_n_m3");
+    require_keys(node, with_selection_keys({"force_n", "force_per_vertex_n", "traction_pa", "body_force_n_m3", "times_s"}),
+                 {"pressure_pa", "follower", "moment_nm", "axis"},
+                 "is not available in this build; supported are force_n, force_per_vertex_n, traction_pa and body_force_n_m3");
     Load load;
     static constexpr std::string_view kKinds[] = {"force_n", "force_per_vertex_n", "traction_pa", "body_force_n_m3"};
     const std::string_view key = only_key(node, kKinds, "a load needs one of \"force_n\", \"force_per_vertex_n\", \"traction_pa\" and \"body_force_n_m3\"");
@@ -172,6 +163,12 @@ Load read_load(const JsonNode& node, const BodyTemplate& shape) {
 }
 
 }  // namespace
+
+std::vector<std::string_view> with_selection_keys(std::initializer_list<std::string_view> keys) {
+    std::vector<std::string_view> all(kSelectionKeys.begin(), kSelectionKeys.end());
+    all.insert(all.end(), keys);
+    return all;
+}
 
 Selection read_selection(const JsonNode& node, const VolumeMesh& mesh) {
     Selection selection = Everything{};
@@ -197,7 +194,7 @@ Selection read_selection(const JsonNode& node, const VolumeMesh& mesh) {
         low = low.cwiseMin(x);
         high = high.cwiseMax(x);
     }
-    const auto corner = [](const Vec3& x) { return "[" + to_text(x[0]) + ", " + to_text(x[1]) + ", " + to_text(x[2]) + "]"; };
+    const auto corner = [](const Vec3& x) { return std::string("[") + to_text(x[0]) + ", " + to_text(x[1]) + ", " + to_text(x[2]) + "]"; };
     node.at(key).fail("selects no vertex; the rest shape, scaled, reaches from " + corner(low) + " to " + corner(high) + " m");
 }
 
@@ -205,7 +202,7 @@ void read_supports_and_loads(const JsonNode& node, SceneBody& body) {
     const BodyTemplate& shape = *body.def.shape;
     if (node.has("fixed")) {
         for (const JsonNode& entry : node.at("fixed").items()) {
-            if (entry.is_object()) require_entry(entry, {"axes"});
+            if (entry.is_object()) require_keys(entry, with_selection_keys({"axes"}));
             body.fixed.push_back({read_selection(entry, shape.mesh()), read_axes(entry)});
         }
     }

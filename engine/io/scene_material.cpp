@@ -56,9 +56,7 @@ std::vector<double>& filled(std::vector<double>& per_element, std::size_t elemen
 }
 
 void read_region(const JsonNode& node, BodyDef& def) {
-    std::vector<std::string_view> keys(kSelectionKeys.begin(), kSelectionKeys.end());
-    keys.insert(keys.end(), {"material", "stiffness_factor"});
-    node.require_object(keys);
+    require_keys(node, with_selection_keys({"material", "stiffness_factor"}));
     const VolumeMesh& mesh = def.shape->mesh();
     const std::vector<std::int32_t> elements = select_elements(mesh, read_selection(node, mesh));
     if (elements.empty()) node.fail("the region holds no element: an element belongs to it when all its vertices are selected; make the selection larger");

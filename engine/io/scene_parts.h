@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "supple/io/json_node.h"
 #include "supple/io/scene.h"
@@ -18,8 +19,8 @@ struct SceneContext {
 };
 
 /// `node` must be an object with keys out of `known` and `planned`; one of `planned` is Error(unsupported) with `message`.
-void require_keys(const JsonNode& node, std::initializer_list<std::string_view> known, std::initializer_list<std::string_view> planned,
-                  const std::string& message);
+void require_keys(const JsonNode& node, std::vector<std::string_view> known, std::initializer_list<std::string_view> planned = {},
+                  const std::string& message = {});
 
 SolverDef read_solver(const JsonNode& node);
 SceneCamera read_camera(const JsonNode& node);
@@ -34,6 +35,8 @@ void read_supports_and_loads(const JsonNode& node, SceneBody& body);
 
 /// The selection keys that an entry of `fixed`, `prescribed`, `loads` or `regions` may hold directly.
 inline constexpr std::array<std::string_view, 6> kSelectionKeys = {"box", "sphere", "vertices", "group", "all", "selection"};
+/// These and the given ones.
+std::vector<std::string_view> with_selection_keys(std::initializer_list<std::string_view> keys);
 
 /// Material of the body and of its regions: def.material, young_pa_per_element, poisson_per_element.
 void read_materials(const JsonNode& body, BodyDef& def);

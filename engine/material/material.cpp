@@ -6,6 +6,69 @@
 
 namespace supple {
 
+namespace {
+
+/// Throws unless the value is finite and above the bound.
+void require_above(double value, double bound, const std::string& where, const char* fix) {
+    if (std::isfinite(value) && value > bound) return;
+    throw Error(ErrorCode::invalid_argument, where, to_text(value) + " must be finite and above " + to_text(bound) + "; " + fix);
+}
+
+Lame check_lame(double mu, double lambda, const std::string& where) {
+    require_above(mu, 0, where + ".mu_pa", "it is the shear modulus in pascals, E/(2 (1 + nu))");
+    require_above(lambda, -2 * mu / 3, where + ".lambda_pa", "below it the bulk modulus lambda + 2 mu/3 is not positive; E nu/((1 + nu)(1 - 2 nu))");
+    return {lambda, mu};
+}
+
+/// From a shear and a bulk modulus.
+Lame from_bulk(double mu, double bulk, const std::string& where) {
+    require_above(bulk, 0, where + ".bulk_pa", "it is the bulk modulus in pascals; soft tissue has 10 to 1000 times its shear modulus");
+    return {bulk - 2 * mu / 3, mu};
+}
+
+Lame small(const Corotational& m, const std::string& where) { return lame_parameters(m.young_pa, m.poisson, where); }
+Lame small(const Linear& m, const std::string& where) { return lame_parameters(m.young_pa, m.poisson, where); }
+Lame small(const StVenantKirchhoff& m, const std::string& where) { return check_lame(m.mu_pa, m.lambda_pa, where); }
+Lame small(const NeoHookean& m, const std::string& where) { return check_lame(m.mu_pa, m.lambda_pa, where); }
+Lame small(const StableNeoHookean& m, const std::string& where) { return check_lame(m.mu_pa, m.lambda_pa, where); }
+
+Lame small(const MooneyRivlin& m, const std::string& where) {
+    require_above(m.c1_pa + m.c2_pa, 0, where + ".c1_pa", "the sum c1_pa + c2_pa is half the shear modulus");
+    return from_bulk(2 * (m.c1_pa + m.c2_pa), m.bulk_pa, where);
+}
+
+Lame small(const ArrudaBoyce& m, const std::string& where) {
+    require_above(m.mu_pa, 0, where + ".mu_pa", "the shear modulus is 1.0851367 times it");
+    return from_bulk(1.0851367078791743 * m.mu_pa, m.bulk_pa, where);
+}
+
+Lame small(const VerondaWestman& m, const std::string& where) {
+    require_above(m.c1_pa, 0, where + ".c1_pa", "the shear modulus is c1_pa c2");
+    require_above(m.c2, 0, where + ".c2", "the shear modulus is c1_pa c2");
+    return from_bulk(m.c1_pa * m.c2, m.bulk_pa, where);
+}
+
+Lame small(const Ogden& m, const std::string& where) {
+    if (m.terms.empty()) throw Error(ErrorCode::invalid_argument, where + ".terms", "is empty; give at least one {mu_pa, alpha}");
+    double sum = 0;
+    for (std::size_t i = 0; i < m.terms.size(); ++i) {
+        if (!std::isfinite(m.terms[i].alpha) || m.terms[i].alpha == 0) {
+            throw Error(ErrorCode::invalid_argument, where + ".terms[" + std::to_string(i) + "].alpha", to_text(m.terms[i].alpha) + " must be finite and not 0");
+        }
+        sum += m.terms[i].mu_pa;
+    }
+    require_above(sum, 0, where + ".terms", "the sum of the terms' mu_pa is twice the shear modulus");
+    return from_bulk(sum / 2, m.bulk_pa, where);
+}
+
+}  // namespace
+
+bool is_hyperelastic(const Material& material) { return !std::holds_alternative<Corotational>(material) && !std::holds_alternative<Linear>(material); }
+
+Lame small_strain(const Material& material, const std::string& where) {
+    return std::visit([&](const auto& law) { return small(law, where); }, material);
+}
+
 Lame lame_parameters(double young_pa, double poisson, const std::string& where) {
     if (!(std::isfinite(young_pa) && young_pa > 0)) {
         throw Error(ErrorCode::invalid_argument, where + ".young_pa",

@@ -63,9 +63,39 @@ inline M3<T> gradient(const V3<T> d[3], const V3<T> g[3]) {
 }
 
 template <class T>
+inline V3<T> cross(const V3<T>& a, const V3<T>& b) { return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}; }
+template <class T>
+inline V3<T> choose3(LaneMask m, const V3<T>& yes, const V3<T>& no) { return {choose(m, yes.x, no.x), choose(m, yes.y, no.y), choose(m, yes.z, no.z)}; }
+
+template <class T>
 struct Quat {
     T w, x, y, z;
 };
+
+/// Unit quaternion of a rotation matrix, from the largest of its four squared components; finite and unit for any finite matrix.
+template <class T>
+inline Quat<T> quaternion(const M3<T>& R) {
+    const T one(1.0);
+    const T w = one + R.m[0][0] + R.m[1][1] + R.m[2][2], x = one + R.m[0][0] - R.m[1][1] - R.m[2][2];
+    const T y = one - R.m[0][0] + R.m[1][1] - R.m[2][2], z = one - R.m[0][0] - R.m[1][1] + R.m[2][2];
+    const T wx = R.m[2][1] - R.m[1][2], wy = R.m[0][2] - R.m[2][0], wz = R.m[1][0] - R.m[0][1];
+    const T xy = R.m[0][1] + R.m[1][0], yz = R.m[1][2] + R.m[2][1], zx = R.m[2][0] + R.m[0][2];
+    // Row k of 4 q q^T, k the largest.
+    Quat<T> q{w, wx, wy, wz};
+    T best = w;
+    const LaneMask take_x = x > best;
+    q = {choose(take_x, wx, q.w), choose(take_x, x, q.x), choose(take_x, xy, q.y), choose(take_x, zx, q.z)};
+    best = larger(best, x);
+    const LaneMask take_y = y > best;
+    q = {choose(take_y, wy, q.w), choose(take_y, xy, q.x), choose(take_y, y, q.y), choose(take_y, yz, q.z)};
+    best = larger(best, y);
+    const LaneMask take_z = z > best;
+    q = {choose(take_z, wz, q.w), choose(take_z, zx, q.x), choose(take_z, yz, q.y), choose(take_z, z, q.z)};
+    const T norm2 = q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z;
+    const LaneMask ok = norm2 > T(1e-200);
+    const T inv = one / root(choose(ok, norm2, one));
+    return {choose(ok, inv * q.w, one), choose(ok, inv * q.x, T(0.0)), choose(ok, inv * q.y, T(0.0)), choose(ok, inv * q.z, T(0.0))};
+}
 
 /// Rotation matrix of a unit quaternion.
 template <class T>

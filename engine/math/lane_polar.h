@@ -8,61 +8,136 @@
 /// t this makes the denominators 2 cos t + O(sin^2 t), which lands within a few degrees from 90), and where H is not positive definite
 /// a Gershgorin shift makes it so. w is applied through the Cayley quaternion (1, w/2), whose turn is bounded by 180 degrees and equals
 /// exp([w]x) to third order: convergence is quadratic from a warm start.
+///
+/// A half turn away a vanishes at a minimum or a saddle, and near one the turns are short: Newton may creep or stand still there. Lanes that have not
+/// come to a maximum (H positive definite) are started again from the dominant eigenvector of the quadratic form, which knows no bad starts.
 #include "supple/math/lane_mat3.h"
 
 namespace supple {
 inline namespace SUPPLE_ISA {
 namespace {
 
-inline constexpr int kMaxPolarIterations = 40;
+inline constexpr int kMaxPolarTurns = 12;      ///< warm starts need one to three
+inline constexpr int kMaxPolishTurns = 20;     ///< after a fresh start; nearly degenerate maxima are flat
+inline constexpr int kPolarSquarings = 22;     ///< the ratio of two eigenvalues to the power of four million
+
+/// One turn of Newton's. @return the lanes that have arrived: the next turn would be below 1e-15, and H is positive definite
+template <class T>
+inline LaneMask polar_turn(const M3<T>& A, Quat<T>& q, M3<T>& R, LaneMask& moving) {
+    const T tiny(1e-150), half(0.5), one(1.0), zero(0.0);
+    const M3<T> G = transposed_product(R, A);
+    const V3<T> a{G.m[2][1] - G.m[1][2], G.m[0][2] - G.m[2][0], G.m[1][0] - G.m[0][1]};
+    const T aa = dot(a, a);
+    const T off01 = half * (G.m[0][1] + G.m[1][0]), off02 = half * (G.m[0][2] + G.m[2][0]), off12 = half * (G.m[1][2] + G.m[2][1]);
+    const T damp = half * aa;
+    T h00 = G.m[1][1] + G.m[2][2] + damp, h11 = G.m[0][0] + G.m[2][2] + damp, h22 = G.m[0][0] + G.m[1][1] + damp;
+    // Positive definite by leading minors; otherwise shift by Gershgorin's bound.
+    const T floor(1e-6);
+    const T minor2 = h00 * h11 - off01 * off01;
+    const T det = h22 * minor2 - h00 * off12 * off12 - h11 * off02 * off02 - T(2.0) * off01 * off02 * off12;
+    const T b01 = magnitude(off01), b02 = magnitude(off02), b12 = magnitude(off12);
+    const T bound = smaller(smaller(h00 - b01 - b02, h11 - b01 - b12), h22 - b02 - b12);
+    const LaneMask good = (h00 > floor) & (minor2 > floor * floor) & (det > floor * floor * floor);
+    const T shift = choose(good, zero, larger(zero, T(1e-2) - bound));
+    h00 = h00 + shift;
+    h11 = h11 + shift;
+    h22 = h22 + shift;
+    // w = H^-1 a by the adjugate; H holds -S off the diagonal.
+    const T c00 = h11 * h22 - off12 * off12, c01 = off02 * off12 + off01 * h22, c02 = off01 * off12 + off02 * h11;
+    const T c11 = h00 * h22 - off02 * off02, c12 = off01 * off02 + off12 * h00, c22 = h00 * h11 - off01 * off01;
+    const T inv_det = one / larger(h00 * c00 - off01 * c01 - off02 * c02, tiny);
+    const T scale = half * inv_det;  // w/2
+    const V3<T> t{scale * (c00 * a.x + c01 * a.y + c02 * a.z), scale * (c01 * a.x + c11 * a.y + c12 * a.z),
+                  scale * (c02 * a.x + c12 * a.y + c22 * a.z)};
+    // q <- q (1, t), renormalised.
+    const Quat<T> p{q.w - q.x * t.x - q.y * t.y - q.z * t.z, q.x + q.w * t.x + q.y * t.z - q.z * t.y,
+                    q.y + q.w * t.y + q.z * t.x - q.x * t.z, q.z + q.w * t.z + q.x * t.y - q.y * t.x};
+    const T inv = one / root(p.w * p.w + p.x * p.x + p.y * p.y + p.z * p.z);
+    q = {inv * p.w, inv * p.x, inv * p.y, inv * p.z};
+    R = rotation_matrix(q);
+    const T size = dot(t, t);
+    moving = size > T(1e-16);
+    return good & (size <= T(1e-16));
+}
+
+/// Unit quaternion that maximises tr(R(q)^T A) to about five digits, |A| = 1: Davenport's matrix (math/polar.h), shifted to be positive and
+/// squared again and again, tends to the projector on its dominant eigenvectors; the longest column is one of them.
+template <class T>
+inline Quat<T> dominant_quaternion(const M3<T>& A) {
+    const T two(2.0), one(1.0);
+    const auto& m = A.m;
+    T B[4][4];
+    B[0][0] = two + m[0][0] + m[1][1] + m[2][2];
+    B[1][1] = two + m[0][0] - m[1][1] - m[2][2];
+    B[2][2] = two + m[1][1] - m[0][0] - m[2][2];
+    B[3][3] = two + m[2][2] - m[0][0] - m[1][1];
+    B[0][1] = m[2][1] - m[1][2];
+    B[0][2] = m[0][2] - m[2][0];
+    B[0][3] = m[1][0] - m[0][1];
+    B[1][2] = m[0][1] + m[1][0];
+    B[1][3] = m[0][2] + m[2][0];
+    B[2][3] = m[1][2] + m[2][1];
+    for (int i = 0; i < 4; ++i)
+        for (int j = 0; j < i; ++j) B[i][j] = B[j][i];
+    for (int squaring = 0; squaring < kPolarSquarings; ++squaring) {
+        const T scale = one / (B[0][0] + B[1][1] + B[2][2] + B[3][3]);
+        T C[4][4];
+        for (int i = 0; i < 4; ++i)
+            for (int j = 0; j < 4; ++j) C[i][j] = scale * B[i][j];
+        for (int i = 0; i < 4; ++i) {
+            for (int j = i; j < 4; ++j) {
+                B[i][j] = C[i][0] * C[0][j] + C[i][1] * C[1][j] + C[i][2] * C[2][j] + C[i][3] * C[3][j];
+                B[j][i] = B[i][j];
+            }
+        }
+    }
+    T longest = B[0][0];
+    Quat<T> q{B[0][0], B[1][0], B[2][0], B[3][0]};
+    for (int i = 1; i < 4; ++i) {
+        const LaneMask longer = B[i][i] > longest;
+        longest = choose(longer, B[i][i], longest);
+        q = {choose(longer, B[0][i], q.w), choose(longer, B[1][i], q.x), choose(longer, B[2][i], q.y), choose(longer, B[3][i], q.z)};
+    }
+    const T inv = one / root(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
+    return {inv * q.w, inv * q.x, inv * q.y, inv * q.z};
+}
+
+/// tr(A^T B)
+template <class T>
+inline T inner_product(const M3<T>& A, const M3<T>& B) {
+    T sum(0.0);
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) sum = sum + A.m[i][j] * B.m[i][j];
+    return sum;
+}
 
 /// @param F  deformation gradient, any determinant, zero allowed
 /// @param q  in: unit quaternion to start from; out: that of R. Finite and unit for any finite F.
 /// @return   R
 template <class T>
 inline M3<T> polar_rotation(const M3<T>& F, Quat<T>& q) {
-    T FF(0.0);
-    for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j) FF = FF + F.m[i][j] * F.m[i][j];
-    const T tiny(1e-150), half(0.5), one(1.0), zero(0.0);
-    const T inv_norm = one / larger(root(FF), tiny);
-    M3<T> A;  // F / |F|: all thresholds below are relative
+    const T tiny(1e-150), one(1.0);
+    const T inv_norm = one / larger(root(inner_product(F, F)), tiny);
+    M3<T> A;  // F / |F|: all thresholds are relative
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j) A.m[i][j] = inv_norm * F.m[i][j];
 
     M3<T> R = rotation_matrix(q);
-    for (int iteration = 0; iteration < kMaxPolarIterations; ++iteration) {
-        const M3<T> G = transposed_product(R, A);
-        const V3<T> a{G.m[2][1] - G.m[1][2], G.m[0][2] - G.m[2][0], G.m[1][0] - G.m[0][1]};
-        const T aa = dot(a, a);
-        const T off01 = half * (G.m[0][1] + G.m[1][0]), off02 = half * (G.m[0][2] + G.m[2][0]), off12 = half * (G.m[1][2] + G.m[2][1]);
-        const T damp = half * aa;
-        T h00 = G.m[1][1] + G.m[2][2] + damp, h11 = G.m[0][0] + G.m[2][2] + damp, h22 = G.m[0][0] + G.m[1][1] + damp;
-        // Positive definite by leading minors; otherwise shift by Gershgorin's bound.
-        const T floor(1e-6);
-        const T minor2 = h00 * h11 - off01 * off01;
-        const T det = h22 * minor2 - h00 * off12 * off12 - h11 * off02 * off02 - T(2.0) * off01 * off02 * off12;
-        const T b01 = magnitude(off01), b02 = magnitude(off02), b12 = magnitude(off12);
-        const T bound = smaller(smaller(h00 - b01 - b02, h11 - b01 - b12), h22 - b02 - b12);
-        const LaneMask good = (h00 > floor) & (minor2 > floor * floor) & (det > floor * floor * floor);
-        const T shift = choose(good, zero, larger(zero, T(1e-2) - bound));
-        h00 = h00 + shift;
-        h11 = h11 + shift;
-        h22 = h22 + shift;
-        // w = H^-1 a by the adjugate; H holds -S off the diagonal.
-        const T c00 = h11 * h22 - off12 * off12, c01 = off02 * off12 + off01 * h22, c02 = off01 * off12 + off02 * h11;
-        const T c11 = h00 * h22 - off02 * off02, c12 = off01 * off02 + off12 * h00, c22 = h00 * h11 - off01 * off01;
-        const T inv_det = one / larger(h00 * c00 - off01 * c01 - off02 * c02, tiny);
-        const T scale = half * inv_det;  // w/2
-        const V3<T> t{scale * (c00 * a.x + c01 * a.y + c02 * a.z), scale * (c01 * a.x + c11 * a.y + c12 * a.z),
-                      scale * (c02 * a.x + c12 * a.y + c22 * a.z)};
-        // q <- q (1, t), renormalised.
-        const Quat<T> p{q.w - q.x * t.x - q.y * t.y - q.z * t.z, q.x + q.w * t.x + q.y * t.z - q.z * t.y,
-                        q.y + q.w * t.y + q.z * t.x - q.x * t.z, q.z + q.w * t.z + q.x * t.y - q.y * t.x};
-        const T inv = one / root(p.w * p.w + p.x * p.x + p.y * p.y + p.z * p.z);
-        q = {inv * p.w, inv * p.x, inv * p.y, inv * p.z};
-        R = rotation_matrix(q);
-        if (!any_of(dot(t, t) > T(1e-16))) break;  // the next turn would be below 1e-15
+    LaneMask moving, arrived;
+    for (int turn = 0; turn < kMaxPolarTurns; ++turn) {
+        arrived = polar_turn(A, q, R, moving);
+        if (!any_of(moving)) break;
+    }
+    if (!any_of(!arrived)) return R;
+
+    // A lane keeps its own answer unless the fresh start is better: flat and collapsed elements have many equally good ones.
+    const Quat<T> fresh = dominant_quaternion(A);
+    const LaneMask better = (inner_product(rotation_matrix(fresh), A) > inner_product(R, A) + T(1e-9)) & !arrived;
+    q = {choose(better, fresh.w, q.w), choose(better, fresh.x, q.x), choose(better, fresh.y, q.y), choose(better, fresh.z, q.z)};
+    R = rotation_matrix(q);
+    for (int turn = 0; turn < kMaxPolishTurns; ++turn) {
+        polar_turn(A, q, R, moving);
+        if (!any_of(moving)) break;
     }
     return R;
 }

@@ -31,6 +31,8 @@ inline Lanes larger(Lanes a, Lanes b) { return a > b ? a : b; }
 inline Lanes magnitude(Lanes x) { return std::fabs(x); }
 inline Lanes choose(LaneMask m, Lanes yes, Lanes no) { return m ? yes : no; }
 inline bool any_of(LaneMask m) { return m; }
+inline Lanes logarithm(Lanes x) { return std::log(x); }
+inline Lanes exponential(Lanes x) { return std::exp(x); }
 
 #else
 
@@ -46,6 +48,8 @@ inline Lanes larger(Lanes a, Lanes b) { return xsimd::max(a, b); }
 inline Lanes magnitude(Lanes x) { return xsimd::abs(x); }
 inline Lanes choose(LaneMask m, Lanes yes, Lanes no) { return xsimd::select(m, yes, no); }
 inline bool any_of(LaneMask m) { return xsimd::any(m); }
+inline Lanes logarithm(Lanes x) { return xsimd::log(x); }
+inline Lanes exponential(Lanes x) { return xsimd::exp(x); }
 
 #endif
 

@@ -118,29 +118,32 @@ private:
                                              " m; give a shorter edge (and negative values inside)");
     }
 
-    /// Where the shape changes sign between x0 (value f0) and x1 (value f1): fraction of the way, in (0, 1). False position with
-    /// halved end values (Illinois), and a bisection whenever that leaves more than half of the bracket, so that jumps converge too.
+    /// Where the shape changes sign between x0 (value f0) and x1 (value f1): fraction of the way, in (0, 1). False position; an end
+    /// that stays has its value halved (Illinois), and three steps that leave more than half of the bracket are followed by a
+    /// bisection, so that jumps converge too.
     double find_root(const Vec3& x0, double f0, const Vec3& x1, double f1) {
         const bool negative_first = f0 < 0;
-        const double accept = 1e-9 * std::max(std::abs(f0), std::abs(f1));
-        double lo = 0, hi = 1, t = 0.5;
-        bool bisect = !std::isfinite(f0) || !std::isfinite(f1);
-        for (int i = 0; i < 80 && hi - lo > 1e-9; ++i) {
+        const double largest = std::max(std::abs(f0), std::abs(f1)), accept = std::isfinite(largest) ? 1e-12 * largest : 0;
+        double lo = 0, hi = 1;
+        int moved = 0, slow_steps = 0;
+        for (int i = 0; i < 120 && hi - lo > 1e-9; ++i) {
             const double width = hi - lo;
-            t = bisect ? 0.5 * (lo + hi) : lo + width * (f0 / (f0 - f1));
-            if (!(t > lo && t < hi)) t = 0.5 * (lo + hi);
+            double t = lo + width * (f0 / (f0 - f1));
+            if (slow_steps >= 3 || !(t > lo && t < hi)) t = 0.5 * (lo + hi);
             const double f = evaluate(x0 + t * (x1 - x0));
             if (std::abs(f) <= accept) return t;
             if ((f < 0) == negative_first) {
                 lo = t;
                 f0 = f;
-                f1 *= 0.5;
+                if (moved == -1) f1 *= 0.5;
+                moved = -1;
             } else {
                 hi = t;
                 f1 = f;
-                f0 *= 0.5;
+                if (moved == 1) f0 *= 0.5;
+                moved = 1;
             }
-            bisect = hi - lo > 0.5 * width || !std::isfinite(f0) || !std::isfinite(f1);
+            slow_steps = hi - lo > 0.5 * width ? slow_steps + 1 : 0;
         }
         return 0.5 * (lo + hi);
     }

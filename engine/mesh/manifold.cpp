@@ -104,6 +104,10 @@ double volume(const VolumeMesh& mesh, const Tet& t) {
     return tet_volume(mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]], mesh.vertices[t[3]]);
 }
 
+bool any_marked(std::span<const std::int32_t> tets, const std::vector<char>& removed) {
+    return std::any_of(tets.begin(), tets.end(), [&](std::int32_t t) { return removed[t] != 0; });
+}
+
 /// Marks the smallest fan of tets around every edge with more than two boundary triangles.
 bool mark_edge_fans(const VolumeMesh& mesh, const std::vector<Triangle>& boundary, const Stars& stars, std::vector<char>& removed) {
     std::vector<std::array<std::int32_t, 2>> edges;
@@ -124,6 +128,7 @@ bool mark_edge_fans(const VolumeMesh& mesh, const std::vector<Triangle>& boundar
         ring.clear();
         for (const std::int32_t t : stars.of(edges[i][0]))
             if (std::find(mesh.tets[t].begin(), mesh.tets[t].end(), edges[i][1]) != mesh.tets[t].end()) ring.push_back(t);
+        if (any_marked(ring, removed)) continue;  // changed in this round: look again in the next
         tet_joints(mesh.tets, ring, edges[i], joints);
         std::vector<double> fan_volume(label_sets(ring.size(), joints, label), 0);
         for (std::size_t k = 0; k < ring.size(); ++k) fan_volume[label[k]] += volume(mesh, mesh.tets[ring[k]]);
@@ -134,21 +139,66 @@ bool mark_edge_fans(const VolumeMesh& mesh, const std::vector<Triangle>& boundar
     return any;
 }
 
-/// Marks all tets at every vertex whose boundary triangles form more than one fan.
-bool mark_pinched_stars(const VolumeMesh& mesh, const std::vector<Triangle>& boundary, const Stars& stars, std::vector<char>& removed) {
-    const Stars fans(mesh.vertices.size(), boundary);
+/// Marks the shortest chain of tets around v, each joined to the next by a face with v, from one fan of boundary triangles at v to
+/// another. fan[i] is the fan of the tet star[i], -1 where it has no boundary triangle at v, -2 where it touches several.
+void mark_bridge(const VolumeMesh& mesh, std::int32_t v, std::span<const std::int32_t> star, const std::vector<int>& fan,
+                 std::vector<char>& removed) {
     std::vector<Joint> joints;
-    std::vector<int> label;
+    tet_joints(mesh.tets, star, {&v, 1}, joints);
+    std::sort(joints.begin(), joints.end());
+    std::vector<std::vector<std::int32_t>> next(star.size());
+    for (std::size_t i = 1; i < joints.size(); ++i)
+        if (joints[i].others == joints[i - 1].others) {
+            next[joints[i].item].push_back(joints[i - 1].item);
+            next[joints[i - 1].item].push_back(joints[i].item);
+        }
+    std::vector<std::int32_t> queue, from(star.size(), -1);
+    for (std::size_t i = 0; i < star.size(); ++i) {
+        if (fan[i] == -2) {
+            removed[star[i]] = 1;
+            return;
+        }
+        if (fan[i] == 0) {
+            queue.push_back(static_cast<std::int32_t>(i));
+            from[i] = static_cast<std::int32_t>(i);
+        }
+    }
+    for (std::size_t head = 0; head < queue.size(); ++head) {
+        std::int32_t i = queue[head];
+        if (fan[i] > 0) {
+            for (removed[star[i]] = 1; from[i] != i; removed[star[i]] = 1) i = from[i];
+            return;
+        }
+        for (const std::int32_t k : next[i])
+            if (from[k] < 0) {
+                from[k] = i;
+                queue.push_back(k);
+            }
+    }
+}
+
+/// Where the boundary triangles of a vertex form several fans, the outside pinches the mesh there: marks a bridge of tets between two.
+bool mark_pinched_vertices(const VolumeMesh& mesh, const BoundarySurface& boundary, const Stars& stars, std::vector<char>& removed) {
+    const Stars fans(mesh.vertices.size(), boundary.triangles);
+    std::vector<Joint> joints;
+    std::vector<int> label, fan;
     bool any = false;
     for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
-        const auto star = fans.of(v);
+        const auto triangles = fans.of(v);
         joints.clear();
-        for (std::size_t i = 0; i < star.size(); ++i)
-            for (const std::int32_t w : boundary[star[i]])
+        for (std::size_t i = 0; i < triangles.size(); ++i)
+            for (const std::int32_t w : boundary.triangles[triangles[i]])
                 if (w != static_cast<std::int32_t>(v)) joints.push_back({{w, -1}, static_cast<std::int32_t>(i)});
-        if (star.empty() || label_sets(star.size(), joints, label) == 1) continue;
+        if (triangles.empty() || label_sets(triangles.size(), joints, label) == 1) continue;
         any = true;
-        for (const std::int32_t t : stars.of(v)) removed[t] = 1;
+        const auto star = stars.of(v);
+        if (any_marked(star, removed)) continue;
+        fan.assign(star.size(), -1);
+        for (std::size_t i = 0; i < triangles.size(); ++i) {
+            const auto tet = std::lower_bound(star.begin(), star.end(), boundary.element[triangles[i]]) - star.begin();
+            fan[tet] = fan[tet] == -1 || fan[tet] == label[i] ? label[i] : -2;
+        }
+        mark_bridge(mesh, static_cast<std::int32_t>(v), star, fan, removed);
     }
     return any;
 }
@@ -162,11 +212,11 @@ ManifoldReport make_boundary_manifold(VolumeMesh& mesh) {
         for (const Triangle& t : extract_boundary(mesh).triangles)
             for (const std::int32_t v : t) on_boundary[v] = 1;
         report.split_vertices += split_vertices(mesh, on_boundary);
-        const std::vector<Triangle> boundary = extract_boundary(mesh).triangles;
+        const BoundarySurface boundary = extract_boundary(mesh);
         const Stars stars(mesh.vertices.size(), mesh.tets);
         std::vector<char> removed(mesh.tets.size(), 0);
-        // Edges first: a fan less often mends the vertex as well.
-        if (!mark_edge_fans(mesh, boundary, stars, removed) && !mark_pinched_stars(mesh, boundary, stars, removed)) break;
+        // Edges first: one fan less often mends the vertices as well.
+        if (!mark_edge_fans(mesh, boundary.triangles, stars, removed) && !mark_pinched_vertices(mesh, boundary, stars, removed)) break;
         std::size_t kept = 0;
         for (std::size_t t = 0; t < mesh.tets.size(); ++t)
             if (!removed[t]) mesh.tets[kept++] = mesh.tets[t];

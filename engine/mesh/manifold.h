@@ -10,7 +10,8 @@ struct ManifoldReport {
 
 /// Makes the boundary of a tet mesh a closed 2-manifold: every boundary edge has two triangles, and the triangles at every boundary
 /// vertex form one fan. Parts that hang together by a vertex or an edge only are taken apart; where a boundary touches itself
-/// within one part (a pinched tunnel) the smallest set of tets at the place goes. Tets keep their order. O(n log n) per round, few rounds.
+/// within one part, tets go: the smaller fan at an edge, the shortest chain between two fans at a vertex (it opens the pinch).
+/// Tets keep their order. O(n log n) per round, few rounds.
 /// @pre mesh.hexes, regions and groups are empty; tets wound positively, indices in range
 ManifoldReport make_boundary_manifold(VolumeMesh& mesh);
 

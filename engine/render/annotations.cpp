@@ -70,7 +70,8 @@ void draw_caption(Overlay& o, const std::string& text, const Layout& at) {
     const std::vector<std::string> lines = o.wrap(size, 0.72f * float(at.width), text);
     float widest = 0;
     for (const std::string& l : lines) widest = std::max(widest, o.text_width(size, l));
-    const float h = line * float(lines.size()) + 1.1f * pad, x = std::round(20 * at.unit), y = std::round(float(at.height) - h - 24 * at.unit);
+    const float h = line * float(lines.size()) + 1.1f * pad, x = std::round(20 * at.unit),
+                y = std::round(float(at.height) - h - 24 * at.unit);
     o.box(x, y, std::round(widest + 2 * pad), std::round(h), 9 * at.unit, kPanel);
     for (std::size_t i = 0; i < lines.size(); ++i)
         o.text(x + pad, y + 0.55f * pad + o.ascent(size) + line * float(i) + 0.5f * (line - float(size)), size, kInk, lines[i]);

@@ -28,15 +28,17 @@ void require_legal(const Camera& camera) {
         throw Error(ErrorCode::invalid_argument, "Camera.eye_m",
                     "eye " + text_of(camera.eye_m) + " and target " + text_of(camera.target_m) + " must be finite and differ");
     if (!camera.up.allFinite() || !(camera.up.cross(sight).norm() > 1e-6 * sight.norm() * camera.up.norm()))
-        throw Error(ErrorCode::invalid_argument, "Camera.up",
-                    text_of(camera.up) + " must not be zero or lie along the line of sight " + text_of(sight) + "; tilt the camera a little");
+        throw Error(
+            ErrorCode::invalid_argument, "Camera.up",
+            text_of(camera.up) + " must not be zero or lie along the line of sight " + text_of(sight) + "; tilt the camera a little");
 }
 
 Camera frame_camera(const SceneBounds& bounds, const Vec3& direction, double fov_deg, double aspect, const Vec3& up) {
     if (bounds.empty() || !bounds.min_m.allFinite() || !bounds.max_m.allFinite())
         throw Error(ErrorCode::invalid_argument, "frame_camera.bounds", "are empty or not finite; include() at least one point");
     if (!direction.allFinite() || !(direction.norm() > 0))
-        throw Error(ErrorCode::invalid_argument, "frame_camera.direction", text_of(direction) + " has no length; it points from the target to the eye");
+        throw Error(ErrorCode::invalid_argument, "frame_camera.direction",
+                    text_of(direction) + " has no length; it points from the target to the eye");
     require_in_range(fov_deg, 1, 170, "frame_camera.fov_deg", "40 is a calm angle");
     require_in_range(aspect, 0.1, 10, "frame_camera.aspect", "it is width / height");
     Camera camera;

@@ -1,9 +1,8 @@
-// Colour maps are interpolated in OKLab (B. Ottosson, "A perceptual color space for image processing", 2020) between control colours.
-//
 // viridis, magma, inferno: S. van der Walt, N. Smith, matplotlib 1.5 (values in the public domain, CC0). cividis: J. Nunez, C. Anderton,
 // R. Renslow, PLoS ONE 13(7), 2018. Ten evenly spaced values of each are enough: a cubic through them stays within a few levels of the
-// published tables. coolwarm: our own, after the idea of K. Moreland, "Diverging Color Maps for Scientific Visualization", 2009: two hues of
-// equal lightness that meet in a light grey, so that the sign reads without the value being lost.
+// published tables. coolwarm: our own, in OKLab (B. Ottosson, "A perceptual color space for image processing", 2020), after the idea of K.
+// Moreland, "Diverging Color Maps for Scientific Visualization", 2009: two hues of equal lightness that meet in a light grey, so that the
+// sign reads without the value being lost.
 #include "supple/render/color_map.h"
 
 #include <algorithm>
@@ -30,16 +29,9 @@ constexpr std::uint32_t kSequential[4][kControls] = {
 double to_linear(double c) { return c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4); }
 double to_srgb(double c) { return c <= 0.0031308 ? 12.92 * c : 1.055 * std::pow(c, 1 / 2.4) - 0.055; }
 
-Color oklab_of(std::uint32_t hex) {
-    const double r = to_linear(double(hex >> 16 & 255) / 255), g = to_linear(double(hex >> 8 & 255) / 255), b = to_linear(double(hex & 255) / 255);
-    const double l = std::cbrt(0.4122214708 * r + 0.5363325363 * g + 0.0514459929 * b);
-    const double m = std::cbrt(0.2119034982 * r + 0.6806995451 * g + 0.1073969566 * b);
-    const double s = std::cbrt(0.0883024619 * r + 0.2817188376 * g + 0.6299787005 * b);
-    return {0.2104542553 * l + 0.7936177850 * m - 0.0040720468 * s, 1.9779984951 * l - 2.4285922050 * m + 0.4505937099 * s,
-            0.0259040371 * l + 0.7827717662 * m - 0.8086757660 * s};
-}
+std::uint8_t level(double share) { return std::uint8_t(std::lround(255 * std::clamp(share, 0.0, 1.0))); }
 
-std::array<std::uint8_t, 3> srgb_of(const Color& lab) {
+std::array<std::uint8_t, 3> srgb_of_oklab(const Color& lab) {
     const double l = lab[0] + 0.3963377774 * lab[1] + 0.2158037573 * lab[2];
     const double m = lab[0] - 0.1055613458 * lab[1] - 0.0638541728 * lab[2];
     const double s = lab[0] - 0.0894841775 * lab[1] - 1.2914855480 * lab[2];
@@ -47,7 +39,7 @@ std::array<std::uint8_t, 3> srgb_of(const Color& lab) {
     const Color rgb{4.0767416621 * l3 - 3.3077115913 * m3 + 0.2309699292 * s3, -1.2684380046 * l3 + 2.6097574011 * m3 - 0.3413193965 * s3,
                     -0.0041960863 * l3 - 0.7034186147 * m3 + 1.7076147010 * s3};
     std::array<std::uint8_t, 3> out;
-    for (std::size_t c = 0; c < 3; ++c) out[c] = std::uint8_t(std::lround(255 * std::clamp(to_srgb(std::max(rgb[c], 0.0)), 0.0, 1.0)));
+    for (std::size_t c = 0; c < 3; ++c) out[c] = level(to_srgb(std::max(rgb[c], 0.0)));
     return out;
 }
 
@@ -71,19 +63,23 @@ Color spline(std::span<const Color> controls, double t) {
 
 ColorTable sequential(const std::uint32_t (&hex)[kControls]) {
     std::array<Color, kControls> controls;
-    for (std::size_t k = 0; k < kControls; ++k) controls[k] = oklab_of(hex[k]);
+    for (std::size_t k = 0; k < kControls; ++k)
+        controls[k] = {double(hex[k] >> 16 & 255) / 255, double(hex[k] >> 8 & 255) / 255, double(hex[k] & 255) / 255};
     ColorTable table;
-    for (std::size_t i = 0; i < table.size(); ++i) table[i] = srgb_of(spline(controls, double(i) / 255));
+    for (std::size_t i = 0; i < table.size(); ++i) {
+        const Color c = spline(controls, double(i) / 255);
+        table[i] = {level(c[0]), level(c[1]), level(c[2])};
+    }
     return table;
 }
 
 ColorTable diverging() {
     ColorTable table;
     for (std::size_t i = 0; i < table.size(); ++i) {
-        const double t = 2 * double(i) / 255 - 1;                                // -1 cool .. 1 warm
+        const double t = 2 * double(i) / 255 - 1;                                       // -1 cool .. 1 warm
         const double away = std::abs(t), round_top = std::sqrt(t * t + 0.0064) - 0.08;  // no crease in the middle
         const double chroma = 0.135 * std::pow(away, 0.85), hue = t < 0 ? 4.55 : 0.45;
-        table[i] = srgb_of({0.91 - 0.42 * round_top, chroma * std::cos(hue), chroma * std::sin(hue)});
+        table[i] = srgb_of_oklab({0.91 - 0.42 * round_top, chroma * std::cos(hue), chroma * std::sin(hue)});
     }
     return table;
 }
@@ -103,7 +99,8 @@ const ColorTable& color_map(std::string_view name) {
 }
 
 double lightness(const std::array<std::uint8_t, 3>& srgb) {
-    const double y = 0.2126729 * to_linear(srgb[0] / 255.0) + 0.7151522 * to_linear(srgb[1] / 255.0) + 0.0721750 * to_linear(srgb[2] / 255.0);
+    const double y =
+        0.2126729 * to_linear(srgb[0] / 255.0) + 0.7151522 * to_linear(srgb[1] / 255.0) + 0.0721750 * to_linear(srgb[2] / 255.0);
     return y > 216.0 / 24389 ? 116 * std::cbrt(y) - 16 : y * 24389.0 / 27;
 }
 

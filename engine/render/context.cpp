@@ -14,9 +14,12 @@ namespace {
 
 const char* name_of(ContextPlatform platform) {
     switch (platform) {
-        case ContextPlatform::surfaceless: return "EGL surfaceless";
-        case ContextPlatform::device: return "EGL device";
-        case ContextPlatform::pbuffer: return "EGL pbuffer";
+        case ContextPlatform::surfaceless:
+            return "EGL surfaceless";
+        case ContextPlatform::device:
+            return "EGL device";
+        case ContextPlatform::pbuffer:
+            return "EGL pbuffer";
     }
     return "EGL";
 }
@@ -25,17 +28,38 @@ std::string egl_reason(const char* call) {
     const EGLint code = eglGetError();
     const char* name = "unknown error";
     switch (code) {
-        case EGL_SUCCESS: name = "no reason given"; break;
-        case EGL_NOT_INITIALIZED: name = "EGL_NOT_INITIALIZED"; break;
-        case EGL_BAD_ACCESS: name = "EGL_BAD_ACCESS"; break;
-        case EGL_BAD_ALLOC: name = "EGL_BAD_ALLOC"; break;
-        case EGL_BAD_ATTRIBUTE: name = "EGL_BAD_ATTRIBUTE"; break;
-        case EGL_BAD_CONFIG: name = "EGL_BAD_CONFIG"; break;
-        case EGL_BAD_CONTEXT: name = "EGL_BAD_CONTEXT"; break;
-        case EGL_BAD_DISPLAY: name = "EGL_BAD_DISPLAY"; break;
-        case EGL_BAD_MATCH: name = "EGL_BAD_MATCH"; break;
-        case EGL_BAD_PARAMETER: name = "EGL_BAD_PARAMETER"; break;
-        default: break;
+        case EGL_SUCCESS:
+            name = "no reason given";
+            break;
+        case EGL_NOT_INITIALIZED:
+            name = "EGL_NOT_INITIALIZED";
+            break;
+        case EGL_BAD_ACCESS:
+            name = "EGL_BAD_ACCESS";
+            break;
+        case EGL_BAD_ALLOC:
+            name = "EGL_BAD_ALLOC";
+            break;
+        case EGL_BAD_ATTRIBUTE:
+            name = "EGL_BAD_ATTRIBUTE";
+            break;
+        case EGL_BAD_CONFIG:
+            name = "EGL_BAD_CONFIG";
+            break;
+        case EGL_BAD_CONTEXT:
+            name = "EGL_BAD_CONTEXT";
+            break;
+        case EGL_BAD_DISPLAY:
+            name = "EGL_BAD_DISPLAY";
+            break;
+        case EGL_BAD_MATCH:
+            name = "EGL_BAD_MATCH";
+            break;
+        case EGL_BAD_PARAMETER:
+            name = "EGL_BAD_PARAMETER";
+            break;
+        default:
+            break;
     }
     char text[96];
     std::snprintf(text, sizeof text, "%s failed: %s (0x%04x)", call, name, unsigned(code));
@@ -140,11 +164,13 @@ struct HeadlessContext::Impl {
         } else if (!has_word(eglQueryString(display, EGL_EXTENSIONS), "EGL_KHR_surfaceless_context")) {
             return "EGL_KHR_surfaceless_context is not offered";
         }
-        const EGLint attributes[] = {EGL_CONTEXT_MAJOR_VERSION, def.gl_major, EGL_CONTEXT_MINOR_VERSION, def.gl_minor,
-                                     EGL_CONTEXT_OPENGL_PROFILE_MASK, EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT, EGL_NONE};
+        const EGLint attributes[] = {
+            EGL_CONTEXT_MAJOR_VERSION,           def.gl_major, EGL_CONTEXT_MINOR_VERSION, def.gl_minor, EGL_CONTEXT_OPENGL_PROFILE_MASK,
+            EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT, EGL_NONE};
         context = eglCreateContext(display, config, EGL_NO_CONTEXT, attributes);
         if (context == EGL_NO_CONTEXT)
-            return egl_reason("eglCreateContext") + " for OpenGL " + std::to_string(def.gl_major) + "." + std::to_string(def.gl_minor) + " core";
+            return egl_reason("eglCreateContext") + " for OpenGL " + std::to_string(def.gl_major) + "." + std::to_string(def.gl_minor) +
+                   " core";
         if (!eglMakeCurrent(display, surface, surface, context)) return egl_reason("eglMakeCurrent");
         const auto text = [](GLenum name) {
             const auto* s = reinterpret_cast<const char*>(glGetString(name));

@@ -16,22 +16,22 @@ enum class Look { tissue, rubber, gel, metal };
 /// One triangle surface of a frame. Spans are borrowed until draw() returns.
 struct SurfaceView {
     std::span<const Vec3> positions;                     ///< per vertex [m], finite; vertices of no triangle are skipped
-    std::span<const Triangle> triangles;                 ///< outward counter-clockwise
+    std::span<const Triangle> triangles;                 ///< outward counter-clockwise; a closed surface shows its outside only
     std::span<const double> scalar;                      ///< per vertex, e.g. von Mises [Pa]; empty = plain material; NaN is drawn grey
     std::span<const std::array<std::int32_t, 2>> edges;  ///< wireframe lines; empty = none
     std::span<const Vec3> rest_positions;                ///< drawn as a faint outline (contour and crisp edges); empty = none
     Look look = Look::tissue;
-    double crease_angle_deg = 40;                        ///< 0..180; normals are smooth across edges below it, crisp above
+    double crease_angle_deg = 40;  ///< 0..180; normals are smooth across edges below it, crisp above
 
     /// Rest shape, per vertex, not drawn: fixes the grain of the tissue to the material and says which edges are crisp. Empty: no grain,
     /// and the creases are those of the first positions that came with these triangles (they do not flicker while the body bends).
     std::span<const Vec3> reference_positions;
-    std::optional<std::array<float, 3>> color;           ///< sRGB 0..1, instead of the look's own colour
+    std::optional<std::array<float, 3>> color;  ///< sRGB 0..1, instead of the look's own colour
 };
 
-struct ArrowView {   ///< a force
-    Vec3 from_m, to_m;                               ///< an arrow of no length is not drawn
-    std::array<float, 3> color{1.0f, 0.85f, 0.2f};   ///< sRGB 0..1
+struct ArrowView {                                  ///< a force
+    Vec3 from_m, to_m;                              ///< an arrow of no length is not drawn
+    std::array<float, 3> color{1.0f, 0.85f, 0.2f};  ///< sRGB 0..1
 };
 
 struct MarkerView {  ///< a tool or a picking cursor
@@ -41,17 +41,17 @@ struct MarkerView {  ///< a tool or a picking cursor
 };
 
 struct ColorScale {
-    std::string map = "viridis";   ///< any of color_map_names()
-    double low = 0, high = 1;      ///< low < high; values outside take the end colours
+    std::string map = "viridis";  ///< any of color_map_names()
+    double low = 0, high = 1;     ///< low < high; values outside take the end colours
     std::string title = "von Mises";
-    std::string unit = "Pa";       ///< prefixes k, M, G are chosen by the legend
+    std::string unit = "Pa";  ///< prefixes k, M, G are chosen by the legend
 };
 
 struct Camera {
     Vec3 eye_m = Vec3(0.2, 0.1, 0.8);
     Vec3 target_m = Vec3::Zero();
     Vec3 up = Vec3(0, 1, 0);
-    double fov_deg = 40;           ///< vertical, 1..170
+    double fov_deg = 40;  ///< vertical, 1..170
 };
 
 /// Everything that one picture shows. The renderer reads nothing else: no World, no file.
@@ -59,13 +59,13 @@ struct FrameView {
     std::vector<SurfaceView> surfaces;
     std::vector<ArrowView> arrows;
     std::vector<MarkerView> markers;
-    std::optional<ColorScale> scale;      ///< needed if any surface has a scalar; its legend is drawn then
+    std::optional<ColorScale> scale;        ///< needed if any surface has a scalar; its legend is drawn then
     std::optional<double> ground_height_m;  ///< along `camera.up`; catches the shadow
     Camera camera;
-    std::optional<Vec3> key_light;        ///< direction towards the key light; empty = over the left shoulder of the camera.
-                                          ///< Set it where the camera moves, so that the shadows do not.
-    std::string caption;                  ///< large, lower left, UTF-8, wrapped; empty = none
-    std::string hud;                      ///< one small line, top left; empty = none
+    std::optional<Vec3> key_light;  ///< direction towards the key light; empty = over the left shoulder of the camera.
+                                    ///< Set it where the camera moves, so that the shadows do not.
+    std::string caption;            ///< large, lower left, UTF-8, wrapped; empty = none
+    std::string hud;                ///< one small line, top left; empty = none
 };
 
 }  // namespace supple

@@ -10,7 +10,8 @@ namespace {
 
 std::string text_of(std::string_view file) {
     const auto bytes = embedded_shader(file);
-    if (bytes.empty()) throw Error(ErrorCode::unsupported, std::string(file), "no shader of this name is built in; shaders/ holds them all");
+    if (bytes.empty())
+        throw Error(ErrorCode::unsupported, std::string(file), "no shader of this name is built in; shaders/ holds them all");
     return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
@@ -61,7 +62,8 @@ GLuint compile(GLenum stage, std::string_view file, std::string_view defines) {
     std::string message = "the driver does not compile this shader";
     if (!defines.empty()) message += " (with " + std::string(defines) + ")";
     message += ":\n" + std::string(log);
-    for (std::size_t i = 0; i < files.size() && files.size() > 1; ++i) message += "file " + std::to_string(i) + " is shaders/" + files[i] + "\n";
+    for (std::size_t i = 0; i < files.size() && files.size() > 1; ++i)
+        message += "file " + std::to_string(i) + " is shaders/" + files[i] + "\n";
     throw Error(ErrorCode::unsupported, "shaders/" + std::string(file), message);
 }
 
@@ -110,16 +112,18 @@ GLint Program::location(const char* uniform) const {
 void require_complete(GLenum target, const char* what) {
     const GLenum status = glCheckFramebufferStatus(target);
     if (status != GL_FRAMEBUFFER_COMPLETE)
-        throw Error(ErrorCode::unsupported, what, "the driver cannot draw into this framebuffer (status " + std::to_string(status) +
-                                                      "); try other sizes or samples in RendererDef");
+        throw Error(ErrorCode::unsupported, what,
+                    "the driver cannot draw into this framebuffer (status " + std::to_string(status) +
+                        "); try other sizes or samples in RendererDef");
 }
 
 void require_no_gl_error(const char* where) {
     const GLenum code = glGetError();
     if (code == GL_NO_ERROR) return;
     throw Error(ErrorCode::unsupported, where,
-                code == GL_OUT_OF_MEMORY ? std::string("the graphics driver is out of memory; draw smaller pictures or fewer triangles")
-                                         : "OpenGL error " + std::to_string(code) + "; was another program part using this context in between?");
+                code == GL_OUT_OF_MEMORY
+                    ? std::string("the graphics driver is out of memory; draw smaller pictures or fewer triangles")
+                    : "OpenGL error " + std::to_string(code) + "; was another program part using this context in between?");
 }
 
 }  // namespace supple::render

@@ -30,7 +30,8 @@ int decimals_of(double step) {
 
 LegendTicks legend_ticks(double low, double high, const std::string& unit, int max_ticks) {
     if (!(std::isfinite(low) && std::isfinite(high) && low < high))
-        throw Error(ErrorCode::invalid_argument, "ColorScale", "low = " + to_text(low) + ", high = " + to_text(high) + "; low < high is needed, both finite");
+        throw Error(ErrorCode::invalid_argument, "ColorScale",
+                    "low = " + to_text(low) + ", high = " + to_text(high) + "; low < high is needed, both finite");
     const double step = round_step((high - low) / std::max(1, max_ticks - 1));
     const double first = std::ceil(low / step - 1e-9), last = std::floor(high / step + 1e-9);
 

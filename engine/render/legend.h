@@ -15,7 +15,8 @@ struct LegendTicks {
 };
 
 /// Round numbers (1, 2, 2.5 or 5 times a power of ten) inside [low, high], all written with the same number of decimals.
-/// @param unit      SI unit without prefix; n, u, m, k, M, G are put in front so that the largest tick is in [1, 1000). "" and "%" take none.
+/// @param unit      SI unit without prefix; n, u, m, k, M, G are put in front so that the largest tick is in [1, 1000). "" and "%" take
+/// none.
 /// @param max_ticks 2 or more; about that many are made
 /// @error Error(invalid_argument) unless low < high, both finite
 LegendTicks legend_ticks(double low, double high, const std::string& unit, int max_ticks = 6);

@@ -9,7 +9,7 @@ namespace supple::render {
 namespace {
 
 struct HalfEdge {
-    std::int32_t low, high;    // vertices, low < high
+    std::int32_t low, high;                 // vertices, low < high
     std::uint32_t corner_low, corner_high;  // 3 * triangle + k, where those vertices sit
 };
 
@@ -52,6 +52,7 @@ SmoothTopology split_at_creases(std::span<const Vec3> positions, std::span<const
     });
 
     SmoothTopology out;
+    out.closed = true;
     std::vector<std::uint32_t> parent(3 * count);
     std::iota(parent.begin(), parent.end(), 0u);
     const double least_cosine = std::cos(crease_angle_deg * std::numbers::pi / 180);
@@ -60,7 +61,10 @@ SmoothTopology split_at_creases(std::span<const Vec3> positions, std::span<const
         const bool first = i == 0 || halves[i - 1].low != a.low || halves[i - 1].high != a.high;
         const bool paired = i + 1 < halves.size() && halves[i + 1].low == a.low && halves[i + 1].high == a.high;
         if (!paired) {
-            if (first) out.edges.push_back({a.low, a.high, std::int32_t(a.corner_low / 3), -1, true});
+            if (first) {
+                out.edges.push_back({a.low, a.high, std::int32_t(a.corner_low / 3), -1, true});
+                out.closed = false;
+            }
             continue;
         }
         const HalfEdge& b = halves[i + 1];
@@ -83,6 +87,16 @@ SmoothTopology split_at_creases(std::span<const Vec3> positions, std::span<const
             out.vertex_of.push_back(triangles[c / 3][c % 3]);
         }
         out.triangles[c / 3][c % 3] = number[r];
+    }
+    if (out.closed) {
+        double volume = 0;
+        const Vec3 base = count > 0 ? positions[std::size_t(triangles[0][0])] : Vec3::Zero();
+        for (const Triangle& t : triangles) {
+            const auto at = [&](std::size_t k) { return Vec3(positions[std::size_t(t[k])] - base); };
+            volume += at(0).dot(at(1).cross(at(2)));
+        }
+        if (volume < 0)
+            for (auto& t : out.triangles) std::swap(t[1], t[2]);
     }
     return out;
 }

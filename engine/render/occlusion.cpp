@@ -9,8 +9,8 @@ using Eigen::Vector3f;
 
 namespace {
 
-constexpr int kCells = 32;   // along the longest side
-constexpr int kMargin = 4;   // empty cells around, a multiple of the coarsest cell
+constexpr int kCells = 32;  // along the longest side
+constexpr int kMargin = 4;  // empty cells around, a multiple of the coarsest cell
 
 /// Three-tap blur of every row, twice in x and twice in z: [1 2 1] / 4, the border repeats.
 void blur(std::vector<float>& field, std::vector<float>& scratch, int n) {
@@ -44,7 +44,8 @@ void OcclusionGrid::reset(const Vector3f& low, const Vector3f& high) {
 void OcclusionGrid::drop(const Vector3f& point, float area) {
     Level& level = levels_[0];
     const Vector3f p = ((point - origin_) / level.cell - Vector3f::Constant(0.5f)).cwiseMax(0);
-    const int x = std::min(int(p.x()), level.size.x() - 2), y = std::min(int(p.y()), level.size.y() - 2), z = std::min(int(p.z()), level.size.z() - 2);
+    const int x = std::min(int(p.x()), level.size.x() - 2), y = std::min(int(p.y()), level.size.y() - 2),
+              z = std::min(int(p.z()), level.size.z() - 2);
     const float fx = p.x() - float(x), fy = p.y() - float(y), fz = p.z() - float(z);
     const float amount = area / (level.cell * level.cell);
     for (int k = 0; k < 8; ++k)
@@ -96,19 +97,19 @@ float OcclusionGrid::Level::sample(const Vector3f& p) const {
 }
 
 float OcclusionGrid::openness(const Vector3f& point, const Vector3f& normal) const {
-    // The samples start 2 cells away: nearer, a flat surface would see itself through the width of the cells. Weights are tuned by eye.
-    constexpr float kWeight[3] = {0.55f, 0.45f, 0.35f};
+    // A flat surface sees a little of itself, since its matter is spread over two cells: that much is taken off. Weights are tuned by eye.
+    constexpr float kWeight[3] = {0.55f, 0.50f, 0.40f}, kReach = 1.25f, kOwn = 0.08f;
     float closed = 0;
     for (std::size_t l = 0; l < levels_.size(); ++l) {
-        const Vector3f p = (point - origin_) / levels_[l].cell + 2.0f * normal;
-        closed += kWeight[l] * levels_[l].sample(p);
+        const Vector3f p = (point - origin_) / levels_[l].cell + kReach * normal;
+        closed += kWeight[l] * std::max(0.0f, levels_[l].sample(p) - kOwn);
     }
     return std::exp(-closed);
 }
 
 void OcclusionGrid::ground(float height, std::vector<std::uint8_t>& openness_out) {
-    // A sheet of light sinks from the top of the grid to the ground; every layer of matter takes its share, and between the layers the light
-    // spreads sideways. Cells of twice the width leave room for the spread around the body.
+    // A sheet of light sinks from the top of the grid to the ground; every layer of matter takes its share, and between the layers the
+    // light spreads sideways. Cells of twice the width leave room for the spread around the body.
     Level& level = levels_[1];
     constexpr int n = kGroundSize;
     const float cell = level.cell;
@@ -120,11 +121,13 @@ void OcclusionGrid::ground(float height, std::vector<std::uint8_t>& openness_out
     for (int y = level.size.y() - 1; y >= lowest; --y) {
         if (y >= 0)
             for (int z = 0; z < level.size.z(); ++z)
-                for (int x = 0; x < level.size.x(); ++x) light_[std::size_t((z + pad_z) * n + x + pad_x)] *= std::exp(-0.9f * level.at(x, y, z));
+                for (int x = 0; x < level.size.x(); ++x)
+                    light_[std::size_t((z + pad_z) * n + x + pad_x)] *= std::exp(-0.9f * level.at(x, y, z));
         blur(light_, blurred_, n);
     }
     openness_out.resize(light_.size());
-    std::transform(light_.begin(), light_.end(), openness_out.begin(), [](float v) { return std::uint8_t(std::lround(255 * std::clamp(v, 0.0f, 1.0f))); });
+    std::transform(light_.begin(), light_.end(), openness_out.begin(),
+                   [](float v) { return std::uint8_t(std::lround(255 * std::clamp(v, 0.0f, 1.0f))); });
 }
 
 }  // namespace supple::render

@@ -37,7 +37,8 @@ struct Overlay::Font {
     Font() {
         const auto bytes = embedded_font("DejaVuSans.ttf");
         if (bytes.empty() || !stbtt_InitFont(&info, bytes.data(), 0))
-            throw Error(ErrorCode::unsupported, "DejaVuSans.ttf", "the embedded font cannot be read; configure the build with another SUPPLE_FONT of that name");
+            throw Error(ErrorCode::unsupported, "DejaVuSans.ttf",
+                        "the embedded font cannot be read; configure the build with another SUPPLE_FONT of that name");
     }
     float scale(int size) const { return stbtt_ScaleForPixelHeight(&info, float(size)); }
     float advance(int glyph, int next) const {
@@ -147,7 +148,8 @@ const Overlay::Glyph& Overlay::glyph(int index, int size, int quarter) {
         } else {
             g.x = shelf_x_;
             g.y = shelf_y_;
-            stbtt_MakeGlyphBitmapSubpixel(&font_->info, &atlas_[std::size_t(g.y * kAtlas + g.x)], g.w, g.h, kAtlas, scale, scale, shift, 0, index);
+            stbtt_MakeGlyphBitmapSubpixel(&font_->info, &atlas_[std::size_t(g.y * kAtlas + g.x)], g.w, g.h, kAtlas, scale, scale, shift, 0,
+                                          index);
             shelf_x_ += g.w + 1;
             shelf_height_ = std::max(shelf_height_, g.h);
             atlas_changed_ = true;

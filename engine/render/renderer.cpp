@@ -25,7 +25,7 @@ using Eigen::Vector4f;
 namespace {
 
 // Texture units, the same for every program.
-constexpr int kShadowUnit = 0, kColorUnit = 1, kGroundShadowUnit = 2, kOcclusionUnit = 3, kUnits = 4;
+constexpr int kShadowUnit = 0, kColorUnit = 1, kGroundUnit = 2, kOcclusionUnit = 3, kSceneUnit = 4, kNoiseUnit = 5, kUnits = 6;
 
 Vector3f linear_of(const std::array<float, 3>& srgb) {
     const auto one = [](float c) { return c <= 0.04045f ? c / 12.92f : std::pow((c + 0.055f) / 1.055f, 2.4f); };
@@ -34,10 +34,14 @@ Vector3f linear_of(const std::array<float, 3>& srgb) {
 
 Vector3f default_color(Look look) {  // linear
     switch (look) {
-        case Look::tissue: return {0.385f, 0.068f, 0.052f};
-        case Look::rubber: return {0.055f, 0.135f, 0.215f};
-        case Look::gel: return {0.09f, 0.42f, 0.46f};
-        case Look::metal: return {0.56f, 0.57f, 0.58f};
+        case Look::tissue:
+            return {0.235f, 0.036f, 0.026f};
+        case Look::rubber:
+            return {0.055f, 0.135f, 0.215f};
+        case Look::gel:
+            return {0.09f, 0.42f, 0.46f};
+        case Look::metal:
+            return {0.56f, 0.57f, 0.58f};
     }
     return {0.5f, 0.5f, 0.5f};
 }
@@ -51,16 +55,19 @@ void require_legal(const RendererDef& def, int most_samples, int largest) {
     const int size_limit = std::min(largest, 16384);
     require_in_range(def.width, 16, size_limit, "RendererDef.width");
     require_in_range(def.height, 16, size_limit, "RendererDef.height");
-    if (def.samples != 0) require_in_range(def.samples, 2, most_samples, "RendererDef.samples", "or 0 for none; the driver sets the upper limit");
+    if (def.samples != 0)
+        require_in_range(def.samples, 2, most_samples, "RendererDef.samples", "or 0 for none; the driver sets the upper limit");
     require_in_range(def.shadow_map_size, 128, 8192, "RendererDef.shadow_map_size");
     if (!std::has_single_bit(unsigned(def.shadow_map_size)))
-        throw Error(ErrorCode::invalid_argument, "RendererDef.shadow_map_size", std::to_string(def.shadow_map_size) + " is not a power of two; 1024 is a good one");
+        throw Error(ErrorCode::invalid_argument, "RendererDef.shadow_map_size",
+                    std::to_string(def.shadow_map_size) + " is not a power of two; 1024 is a good one");
 }
 
 void require_context() {
     // epoxy ends the process if asked for a function without any context; its version query is the one safe question.
     if (epoxy_gl_version() < 33 || !epoxy_is_desktop_gl())
-        throw Error(ErrorCode::no_display, "Renderer", "needs a current context of OpenGL 3.3 or later, core profile: make a HeadlessContext first");
+        throw Error(ErrorCode::no_display, "Renderer",
+                    "needs a current context of OpenGL 3.3 or later, core profile: make a HeadlessContext first");
 }
 
 double ms_since(std::chrono::steady_clock::time_point start) {
@@ -75,14 +82,16 @@ struct Renderer::Impl {
     std::optional<ShadowTargets> shadow;
     std::map<std::string, Program> surface_programs;  // by their defines
     Program depth_program{"depth.vert", "depth.frag"};
-    Program ground_shadow_program{"fullscreen.vert", "ground_shadow.frag"};
-    Program ground_program{"ground.vert", "ground.frag"};
-    Program backdrop_program{"fullscreen.vert", "backdrop.frag"};
+    Program ground_mask_program{"fullscreen.vert", "ground_mask.frag"};
+    Program ground_soften_program{"fullscreen.vert", "ground_soften.frag"};
+    Program backdrop_program{"fullscreen.vert", "studio.frag"};
+    Program ground_program{"fullscreen.vert", "studio.frag", "GROUND"};
+    Program composite_program{"fullscreen.vert", "composite.frag"};
     Program line_program{"lines.vert", "lines.frag"};
     Overlay overlay;
 
     Buffer frame_uniforms;
-    Texture color_table, ground_openness;
+    Texture color_table, ground_openness, noise;
     std::string color_table_name;
     VertexArray no_attributes, line_array;
     Buffer line_buffer;
@@ -111,7 +120,26 @@ struct Renderer::Impl {
         glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
         const std::uint8_t open = 255;
         glTexImage2D(GL_TEXTURE_2D, 0, GL_R8, 1, 1, 0, GL_RED, GL_UNSIGNED_BYTE, &open);
+        make_noise();
         require_no_gl_error("Renderer");
+    }
+
+    /// The grain of tissue: four channels of noise on a lattice of 32^3, the same on every machine.
+    void make_noise() {
+        constexpr int n = 32;
+        std::vector<std::uint8_t> texels(std::size_t(4) * n * n * n);
+        std::uint32_t state = 0x9e3779b9u;  // xorshift32 (G. Marsaglia, 2003)
+        for (std::uint8_t& t : texels) {
+            state ^= state << 13;
+            state ^= state >> 17;
+            state ^= state << 5;
+            t = std::uint8_t(state >> 24);
+        }
+        glActiveTexture(GL_TEXTURE0 + kNoiseUnit);
+        glBindTexture(GL_TEXTURE_3D, noise.get());
+        glTexImage3D(GL_TEXTURE_3D, 0, GL_RGBA8, n, n, n, 0, GL_RGBA, GL_UNSIGNED_BYTE, texels.data());
+        glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+        glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MAX_LEVEL, 0);
     }
 
     // ---- what a frame is made of ----
@@ -133,10 +161,12 @@ struct Renderer::Impl {
             scene.mapped |= !view.surfaces[i].scalar.empty();
         }
         if (scene.mapped && !view.scale)
-            throw Error(ErrorCode::invalid_argument, "FrameView.scale", "is empty, but a surface has a scalar; say which colours its values take");
-        if (scene.mapped && !(std::isfinite(view.scale->low) && std::isfinite(view.scale->high) && view.scale->low < view.scale->high))
             throw Error(ErrorCode::invalid_argument, "FrameView.scale",
-                        "low = " + to_text(view.scale->low) + ", high = " + to_text(view.scale->high) + "; low < high is needed, both finite");
+                        "is empty, but a surface has a scalar; say which colours its values take");
+        if (scene.mapped && !(std::isfinite(view.scale->low) && std::isfinite(view.scale->high) && view.scale->low < view.scale->high))
+            throw Error(
+                ErrorCode::invalid_argument, "FrameView.scale",
+                "low = " + to_text(view.scale->low) + ", high = " + to_text(view.scale->high) + "; low < high is needed, both finite");
         add_shapes(view, frame, scene);
         if (!(scene.low.array() <= scene.high.array()).all()) {  // nothing but the studio
             scene.low.setConstant(-0.1f);
@@ -174,6 +204,8 @@ struct Renderer::Impl {
     }
 
     void occlude(const Scene& scene, const Stage& stage, FrameUniforms& uniforms) {
+        glActiveTexture(GL_TEXTURE0 + kOcclusionUnit);
+        glBindTexture(GL_TEXTURE_2D, ground_openness.get());  // read where uniforms.ground_occlusion is not zero
         if (!def.ambient_occlusion || surfaces.empty()) return;
         occlusion.reset(scene.low, scene.high);
         for (const SurfaceBuffers& s : surfaces) s.add_to(occlusion);
@@ -183,10 +215,9 @@ struct Renderer::Impl {
         occlusion.ground(stage.ground_height, ground_light);
         const Eigen::Vector2f low = occlusion.ground_low(), size = occlusion.ground_high() - low;
         uniforms.ground_occlusion = {low.x(), low.y(), 1 / size.x(), 1 / size.y()};
-        glActiveTexture(GL_TEXTURE0 + kOcclusionUnit);
-        glBindTexture(GL_TEXTURE_2D, ground_openness.get());
         glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
-        glTexImage2D(GL_TEXTURE_2D, 0, GL_R8, OcclusionGrid::kGroundSize, OcclusionGrid::kGroundSize, 0, GL_RED, GL_UNSIGNED_BYTE, ground_light.data());
+        glTexImage2D(GL_TEXTURE_2D, 0, GL_R8, OcclusionGrid::kGroundSize, OcclusionGrid::kGroundSize, 0, GL_RED, GL_UNSIGNED_BYTE,
+                     ground_light.data());
     }
 
     // ---- passes ----
@@ -197,7 +228,10 @@ struct Renderer::Impl {
         program.set("shadow_map", kShadowUnit);
         program.set("shadow_depth", kShadowUnit);
         program.set("color_table", kColorUnit);
-        program.set("ground_shadow", kGroundShadowUnit);
+        program.set("ground_mask", kGroundUnit);
+        program.set("ground_shadow", kGroundUnit);
+        program.set("scene", kSceneUnit);
+        program.set("noise", kNoiseUnit);
         program.set("occlusion", kOcclusionUnit);
     }
 
@@ -217,16 +251,24 @@ struct Renderer::Impl {
         if (!shapes.empty()) shapes.draw_casters();
         glDisable(GL_POLYGON_OFFSET_FILL);
         if (!stage.has_ground) return;
-        shadow->bind_ground();
-        shadow->use_map_depth(kShadowUnit);
-        use(ground_shadow_program);
-        ground_shadow_program.set("ground_depth", stage.ground_depth());
         glDisable(GL_DEPTH_TEST);
+        shadow->bind_ground_mask();
+        shadow->use_map_depth(kShadowUnit);
+        use(ground_mask_program);
+        ground_mask_program.set("ground_depth", stage.ground_depth());
+        fill();
+        shadow->finish_ground_mask();
+        shadow->bind_ground();
+        shadow->use_ground_mask(kGroundUnit);
+        use(ground_soften_program);
+        fill();
+        shadow->use_ground(kGroundUnit);
+        glEnable(GL_DEPTH_TEST);
+    }
+
+    void fill() const {
         glBindVertexArray(no_attributes.get());
         glDrawArrays(GL_TRIANGLES, 0, 3);
-        glEnable(GL_DEPTH_TEST);
-        shadow->finish_ground();
-        shadow->use_ground(kGroundShadowUnit);
     }
 
     void use_color_table(const ColorScale& scale) {
@@ -241,6 +283,8 @@ struct Renderer::Impl {
 
     void draw_surfaces(const FrameView& view) {
         shadow->use_map_compared(kShadowUnit);
+        glActiveTexture(GL_TEXTURE0 + kNoiseUnit);
+        glBindTexture(GL_TEXTURE_3D, noise.get());
         for (std::size_t i = 0; i < surfaces.size(); ++i) {
             const SurfaceView& s = view.surfaces[i];
             const bool mapped = !s.scalar.empty(), grain = !mapped && s.look == Look::tissue && surfaces[i].has_grain();
@@ -261,32 +305,78 @@ struct Renderer::Impl {
     }
 
     void draw_studio(const Stage& stage) {
-        if (stage.has_ground) {
-            use(ground_program);
-            ground_program.set("half_width", 1.5f * stage.ground_radius);
-            glBindVertexArray(no_attributes.get());
-            glDrawArrays(GL_TRIANGLE_STRIP, 0, 4);
-        }
-        use(backdrop_program);
-        backdrop_program.set("forward", stage.forward);
-        backdrop_program.set("right", stage.right);
-        backdrop_program.set("above", stage.above);
-        glBindVertexArray(no_attributes.get());
-        glDepthFunc(GL_LEQUAL);
-        glDrawArrays(GL_TRIANGLES, 0, 3);
-        glDepthFunc(GL_LESS);
+        const Program& program = stage.has_ground ? ground_program : backdrop_program;
+        use(program);
+        program.set("forward", stage.forward);
+        program.set("right", stage.right);
+        program.set("above", stage.above);
+        fill();
     }
 
-    void draw_lines(const FrameView& view, const SceneFrame& frame, const Stage& stage) {
+    /// Draws bodies, tools and lines alone, in the part of the picture that they cover, and lays them over the studio.
+    void draw_scene(const FrameView& view, const SceneFrame& frame, const Stage& stage) {
+        collect_outlines(view, frame, stage);
+        const ScreenBox box = screen_box(stage);
+        if (box.width < 1 || box.height < 1) return;
+        glEnable(GL_SCISSOR_TEST);
+        glScissor(box.x, box.y, box.width, box.height);
+        targets->bind_scene();
+        glEnable(GL_DEPTH_TEST);
+        glClearColor(0, 0, 0, 0);
+        glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+        if (stage.has_ground) glEnable(GL_CLIP_DISTANCE0);  // the ground has no depth: what is below it is cut away
+        draw_surfaces(view);
+        draw_lines();
+        glDisable(GL_CLIP_DISTANCE0);
+        glDisable(GL_DEPTH_TEST);
+        targets->resolve_scene(box.x, box.y, box.width, box.height);
+        targets->bind_result();
+        targets->use_scene(kSceneUnit);
+        use(composite_program);
+        glEnable(GL_BLEND);
+        glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+        fill();
+        glDisable(GL_BLEND);
+        glDisable(GL_SCISSOR_TEST);
+    }
+
+    struct ScreenBox {
+        int x = 0, y = 0, width = 0, height = 0;
+    };
+
+    ScreenBox screen_box(const Stage& stage) const {
+        Eigen::Vector2f low(1, 1), high(-1, -1);
+        const auto include = [&](const Vector3f& p) {
+            const Vector4f c = stage.view_projection * Vector4f(p.x(), p.y(), p.z(), 1);
+            if (c.w() < 1e-4f) {  // beside or behind the eye: it may reach anywhere
+                low.setConstant(-1);
+                high.setConstant(1);
+                return;
+            }
+            low = low.cwiseMin(c.head<2>() / c.w());
+            high = high.cwiseMax(c.head<2>() / c.w());
+        };
+        for (const SurfaceBuffers& s : surfaces)
+            for (const SurfaceVertex& v : s.vertices()) include(v.position);
+        for (const SurfaceVertex& v : shapes.vertices()) include(v.position);
+        for (const Vector3f& p : outline) include(p);
+        const auto pixel = [](float ndc, int size) { return std::clamp((0.5f + 0.5f * ndc) * float(size), -2.0f, float(size) + 2); };
+        const int x0 = std::max(0, int(pixel(low.x(), def.width)) - 2), x1 = std::min(def.width, int(pixel(high.x(), def.width)) + 3);
+        const int y0 = std::max(0, int(pixel(low.y(), def.height)) - 2), y1 = std::min(def.height, int(pixel(high.y(), def.height)) + 3);
+        return {x0, y0, x1 - x0, y1 - y0};
+    }
+
+    void collect_outlines(const FrameView& view, const SceneFrame& frame, const Stage& stage) {
         outline.clear();
+        for (std::size_t i = 0; i < surfaces.size(); ++i) surfaces[i].append_rest_outline(view.surfaces[i], frame, stage.eye, outline);
+    }
+
+    void draw_lines() {
         bool any = false;
-        for (std::size_t i = 0; i < surfaces.size(); ++i) {
-            surfaces[i].append_rest_outline(view.surfaces[i], frame, stage.eye, outline);
-            any |= surfaces[i].has_edges();
-        }
+        for (const SurfaceBuffers& s : surfaces) any |= s.has_edges();
         if (!any && outline.empty()) return;
         glEnable(GL_BLEND);
-        glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
+        glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);  // keeps the coverage right
         glDepthMask(GL_FALSE);
         use(line_program);
         line_program.set("pull", 0.0025f);
@@ -309,6 +399,7 @@ struct Renderer::Impl {
         glDisable(GL_BLEND);
         glDisable(GL_CULL_FACE);
         glDisable(GL_SCISSOR_TEST);
+        glDisable(GL_CLIP_DISTANCE0);
         glDisable(GL_STENCIL_TEST);
         glDisable(GL_POLYGON_OFFSET_FILL);
         glEnable(GL_MULTISAMPLE);
@@ -351,13 +442,10 @@ struct Renderer::Impl {
 
         start = std::chrono::steady_clock::now();
         draw_shadows(stage);
-        targets->bind_scene();
-        glClear(GL_DEPTH_BUFFER_BIT);  // the backdrop covers all the colour
-        draw_surfaces(view);
-        draw_studio(stage);
-        draw_lines(view, frame, stage);
-        targets->resolve();
+        targets->bind_result();
         glDisable(GL_DEPTH_TEST);
+        draw_studio(stage);
+        draw_scene(view, frame, stage);
         glDisable(GL_FRAMEBUFFER_SRGB);  // text is designed in sRGB, and blended as every other program does it
         annotate(overlay, view, scene.mapped, def.width, def.height);
         overlay.draw();

@@ -9,7 +9,7 @@ namespace supple {
 struct RendererDef {
     int width = 1280, height = 720;  ///< pixels, 16..16384
     int samples = 4;                 ///< per pixel: 0 (no smoothing; for tests) or 2..what the driver has (Mesa in software: 4)
-    int shadow_map_size = 1024;      ///< texels along one side, a power of two in 128..8192
+    int shadow_map_size = 512;       ///< texels along one side, a power of two in 128..8192
     bool ambient_occlusion = true;
 };
 

@@ -15,6 +15,7 @@ public:
     void upload();
     void draw() const;
     void draw_casters() const;  ///< the spheres only: arrows are annotations and cast no shadow
+    const std::vector<SurfaceVertex>& vertices() const { return vertices_; }
     bool empty() const { return indices_.empty(); }
 
 private:

@@ -91,7 +91,8 @@ void Stage::place_lights(const FrameView& view, const SceneFrame& frame) {
 }
 
 void Stage::fit_shadow(const Vector3f& low, const Vector3f& high, int shadow_size) {
-    // The sphere around the casters. Its radius moves in steps and its middle from texel to texel, so that the edges of shadows do not crawl.
+    // The sphere around the casters. Its radius moves in steps and its middle from texel to texel, so that the edges of shadows do not
+    // crawl.
     const float exact = std::max(0.5f * (high - low).norm(), 1e-6f) * 1.03f;
     light_radius = std::exp2(std::ceil(std::log2(exact) * 4) / 4);
     const Vector3f u = to_key.unitOrthogonal(), v = to_key.cross(u);
@@ -123,6 +124,7 @@ FrameUniforms Stage::uniforms(int picture_height, int shadow_size, int ground_sh
     to_unit.diagonal().head<3>().setConstant(0.5f);
     to_unit.block<3, 1>(0, 3).setConstant(0.5f);
     f.shadow_matrix = to_unit * to_light;
+    f.sight = extended(forward, 1 - 1 / std::sqrt(1 + right.squaredNorm() + above.squaredNorm()));
     f.eye = extended(eye, 0.5f * float(picture_height) / above.norm());
     f.key_direction = extended(to_key, 2 * light_radius);
     f.fill_direction = extended(to_fill, 0);

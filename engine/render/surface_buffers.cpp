@@ -73,7 +73,8 @@ void SurfaceBuffers::prepare(const SurfaceView& view, const SceneFrame& frame, c
     for (std::size_t c = 0; c < corners; ++c) {
         const auto v = std::size_t(topology_.vertex_of[c]);
         positions_[c] = frame.point(view.positions[v]);
-        if (!positions_[c].allFinite()) refuse(name + ".positions", "vertex " + std::to_string(v) + " is not finite, or too far away to draw");
+        if (!positions_[c].allFinite())
+            refuse(name + ".positions", "vertex " + std::to_string(v) + " is not finite, or too far away to draw");
     }
     compute_normals(topology_, positions_, normals_);
     vertices_.resize(corners);
@@ -91,7 +92,8 @@ void SurfaceBuffers::rebuild_topology(const SurfaceView& view, const std::string
     for (std::size_t t = 0; t < view.triangles.size(); ++t)
         for (const std::int32_t v : view.triangles[t])
             if (v < 0 || v >= count)
-                refuse(name + ".triangles", "triangle " + std::to_string(t) + " names vertex " + std::to_string(v) + "; there are " + std::to_string(count));
+                refuse(name + ".triangles",
+                       "triangle " + std::to_string(t) + " names vertex " + std::to_string(v) + "; there are " + std::to_string(count));
     has_reference_ = !view.reference_positions.empty();
     topology_ = split_at_creases(has_reference_ ? view.reference_positions : view.positions, view.triangles, view.crease_angle_deg);
     crease_angle_deg_ = view.crease_angle_deg;
@@ -102,7 +104,8 @@ void SurfaceBuffers::rebuild_topology(const SurfaceView& view, const std::string
     for (std::size_t c = 0; c < topology_.vertex_of.size(); ++c) corner_of_[std::size_t(topology_.vertex_of[c])] = std::uint32_t(c);
 
     glBindVertexArray(array_.get());
-    upload_buffer(GL_ELEMENT_ARRAY_BUFFER, index_buffer_, std::span<const std::array<std::uint32_t, 3>>(topology_.triangles), GL_STATIC_DRAW);
+    upload_buffer(GL_ELEMENT_ARRAY_BUFFER, index_buffer_, std::span<const std::array<std::uint32_t, 3>>(topology_.triangles),
+                  GL_STATIC_DRAW);
     glBindBuffer(GL_ARRAY_BUFFER, vertex_buffer_.get());
     describe_surface_vertex();
     if (has_reference_) {
@@ -133,7 +136,8 @@ void SurfaceBuffers::upload_edges(const SurfaceView& view, const std::string& na
         for (std::size_t k = 0; k < 2; ++k) {
             const std::int32_t v = view.edges[e][k];
             if (v < 0 || std::size_t(v) >= corner_of_.size())
-                refuse(name + ".edges", "edge " + std::to_string(e) + " names vertex " + std::to_string(v) + "; there are " + std::to_string(corner_of_.size()));
+                refuse(name + ".edges", "edge " + std::to_string(e) + " names vertex " + std::to_string(v) + "; there are " +
+                                            std::to_string(corner_of_.size()));
             ends[k] = corner_of_[std::size_t(v)];
         }
         // Edges inside the body end at vertices of no triangle: they are never seen.
@@ -160,8 +164,10 @@ void SurfaceBuffers::occlude(const OcclusionGrid& grid) {
 void SurfaceBuffers::upload() { upload_buffer(GL_ARRAY_BUFFER, vertex_buffer_, std::span<const SurfaceVertex>(vertices_), GL_STREAM_DRAW); }
 
 void SurfaceBuffers::draw() const {
+    if (topology_.closed) glEnable(GL_CULL_FACE);
     glBindVertexArray(array_.get());
     glDrawElements(GL_TRIANGLES, GLsizei(3 * topology_.triangles.size()), GL_UNSIGNED_INT, nullptr);
+    glDisable(GL_CULL_FACE);
 }
 
 void SurfaceBuffers::draw_edges() const {
@@ -169,7 +175,8 @@ void SurfaceBuffers::draw_edges() const {
     glDrawElements(GL_LINES, GLsizei(edge_indices_), GL_UNSIGNED_INT, nullptr);
 }
 
-void SurfaceBuffers::append_rest_outline(const SurfaceView& view, const SceneFrame& frame, const Vector3f& eye, std::vector<Vector3f>& lines) const {
+void SurfaceBuffers::append_rest_outline(const SurfaceView& view, const SceneFrame& frame, const Vector3f& eye,
+                                         std::vector<Vector3f>& lines) const {
     if (view.rest_positions.empty()) return;
     const auto at = [&](std::int32_t v) { return frame.point(view.rest_positions[std::size_t(v)]); };
     std::vector<bool> towards(view.triangles.size());

@@ -25,8 +25,8 @@ public:
     void occlude(const OcclusionGrid& grid);
     void upload();
 
-    void draw() const;         ///< triangles
-    void draw_edges() const;   ///< lines of SurfaceView::edges
+    void draw() const;        ///< triangles
+    void draw_edges() const;  ///< lines of SurfaceView::edges
     bool has_edges() const { return edge_indices_ > 0; }
     bool has_grain() const { return has_reference_; }
 
@@ -35,7 +35,8 @@ public:
     std::size_t triangle_count() const { return topology_.triangles.size(); }
 
     /// Ends of the lines of the rest outline: its contour as the eye sees it, and its crisp edges.
-    void append_rest_outline(const SurfaceView& view, const SceneFrame& frame, const Eigen::Vector3f& eye, std::vector<Eigen::Vector3f>& lines) const;
+    void append_rest_outline(const SurfaceView& view, const SceneFrame& frame, const Eigen::Vector3f& eye,
+                             std::vector<Eigen::Vector3f>& lines) const;
 
 private:
     void rebuild_topology(const SurfaceView& view, const std::string& name);

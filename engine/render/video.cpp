@@ -56,13 +56,11 @@ void require_legal(const VideoDef& def) {
 
 std::vector<std::string> arguments(const VideoDef& def) {
     // A path that starts with a dash would be taken for an option; "file:" also stops ffmpeg from reading "http:" as a protocol.
-    return {def.program, "-hide_banner", "-nostdin", "-loglevel", "error", "-y",
-            "-f", "rawvideo", "-pix_fmt", "rgb24", "-s", std::to_string(def.width) + "x" + std::to_string(def.height),
-            "-r", to_text(def.frames_per_s), "-i", "pipe:0", "-an",
+    return {def.program, "-hide_banner", "-nostdin", "-loglevel", "error", "-y", "-f", "rawvideo", "-pix_fmt", "rgb24", "-s",
+            std::to_string(def.width) + "x" + std::to_string(def.height), "-r", to_text(def.frames_per_s), "-i", "pipe:0", "-an",
             // The frames are sRGB with BT.709 primaries: say so, or players guess BT.601 and shift the colours of the stress map.
-            "-vf", "scale=out_color_matrix=bt709:out_range=tv", "-colorspace", "bt709", "-color_primaries", "bt709",
-            "-color_trc", "bt709", "-color_range", "tv",
-            "-c:v", "libx264", "-preset", "medium", "-crf", std::to_string(def.quality), "-pix_fmt", "yuv420p",
+            "-vf", "scale=out_color_matrix=bt709:out_range=tv", "-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "bt709",
+            "-color_range", "tv", "-c:v", "libx264", "-preset", "medium", "-crf", std::to_string(def.quality), "-pix_fmt", "yuv420p",
             "-movflags", "+faststart", "file:" + def.path};
 }
 

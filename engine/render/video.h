@@ -7,11 +7,11 @@
 namespace supple {
 
 struct VideoDef {
-    std::string path;                 ///< the ending chooses the container, e.g. out/liver.mp4; replaced if it exists
-    int width = 1280, height = 720;   ///< even, 2..16384
-    double frames_per_s = 60;         ///< 1..1000
-    int quality = 18;                 ///< x264 constant rate factor, 0 (lossless, huge) .. 51 (ugly, small)
-    std::string program = "ffmpeg";   ///< searched in PATH
+    std::string path;                ///< the ending chooses the container, e.g. out/liver.mp4; replaced if it exists
+    int width = 1280, height = 720;  ///< even, 2..16384
+    double frames_per_s = 60;        ///< 1..1000
+    int quality = 18;                ///< x264 constant rate factor, 0 (lossless, huge) .. 51 (ugly, small)
+    std::string program = "ffmpeg";  ///< searched in PATH
 };
 
 /// Pipes raw frames to ffmpeg (H.264, yuv420p, playable from its first byte).

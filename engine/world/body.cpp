@@ -12,17 +12,12 @@ namespace supple {
 
 template <class Real>
 System<Real>::System(const TemplateData& data, Isa isa)
-    : record(data.rest.blocks() * fem::kBlock * fem::kRecord),
-      A{&data.pattern, AlignedVector<Real>(data.pattern.blocks() * 12)},
+    : A{&data.pattern, AlignedVector<Real>(data.pattern.blocks() * 12)},
       preconditioner(std::make_unique<solve::BlockJacobi<Real>>(data.pattern.rows, isa)),
       solver(data.pattern.rows, isa) {}
 
 template struct System<float>;
 template struct System<double>;
-
-fem::ElementSet element_set(const Body& body, Isa isa) {
-    return {body.data().rest, body.data().corners, body.moduli, fem::tet4_kernels(isa)};
-}
 
 namespace {
 
@@ -30,10 +25,16 @@ namespace {
     throw Error(ErrorCode::invalid_argument, "BodyDef." + field, message);
 }
 
+/// Lame parameters of the elements: one for all, or one for each where the definition has arrays.
 std::vector<Lame> lame_of(const BodyDef& def, std::size_t elements) {
-    const Corotational& material = std::get<Corotational>(def.material);
     const bool per_element = !def.young_pa_per_element.empty() || !def.poisson_per_element.empty();
-    if (!per_element) return {lame_parameters(material.young_pa, material.poisson, "BodyDef.material")};
+    if (!per_element) return {small_strain(def.material, "BodyDef.material")};
+    Linear material;  // the one shape of young_pa and poisson
+    if (const auto* linear = std::get_if<Linear>(&def.material)) material = *linear;
+    if (const auto* corotational = std::get_if<Corotational>(&def.material)) material = {corotational->young_pa, corotational->poisson};
+    if (is_hyperelastic(def.material)) {
+        bad_body("young_pa_per_element", "arrays of young_pa and poisson belong to the linear and corotational laws; this body's law has other parameters");
+    }
     const auto check = [&](const std::vector<double>& values, const char* name) {
         if (!values.empty() && values.size() != elements) {
             bad_body(name, "has " + std::to_string(values.size()) + " values, the mesh has " + std::to_string(elements) +
@@ -75,15 +76,17 @@ std::unique_ptr<Body> make_body(const BodyDef& def, const WorldDef& world, std::
     body->shape = def.shape;
     const TemplateData& data = body->data();
     const std::size_t n = data.rest.vertices;
-    body->moduli = fem::make_moduli(data.rest, lame_of(def, data.rest.elements));
+    const std::vector<Lame> lame = lame_of(def, data.rest.elements);
+    fem::ElementsDef elements;
+    elements.rest = &data.rest;
+    elements.corners = &data.corners;
+    elements.lists = {data.pattern.row_start, data.pattern.column, data.pattern.mirror, data.gather.start, data.gather.pair};
+    elements.precision = world.solver.precision == Precision::single ? fem::MatrixPrecision::single : fem::MatrixPrecision::double_;
+    elements.isa = isa;
+    elements.lame = lame;
+    body->elements = fem::make_elements(elements, def.material);
     body->mass = fem::lumped_mass(data.rest, def.density_kg_m3);
-    body->stiffness_trace = fem::stiffness_trace(data.rest, body->moduli);
-    body->laplacian.assign(data.pattern.blocks(), 0.0);
-    for (std::size_t b = 0; b < data.pattern.blocks(); ++b) {
-        for (std::int64_t i = data.gather.start[b]; i < data.gather.start[b + 1]; ++i) {
-            body->laplacian[b] += fem::laplacian_entry(data.rest, body->moduli, data.gather.pair[std::size_t(i)]);
-        }
-    }
+    body->stiffness_trace = fem::stiffness_trace(data.rest, fem::make_moduli(data.rest, lame));
     body->owner.assign(3 * n, kFree);
     for (std::size_t i = 0; i < n; ++i) {
         if (body->mass[i] == 0) std::fill_n(body->owner.begin() + std::ptrdiff_t(3 * i), 3, kHeld);  // a vertex of no element
@@ -109,7 +112,7 @@ std::unique_ptr<Body> make_body(const BodyDef& def, const WorldDef& world, std::
     return body;
 }
 
-void update_stress(const Body& body, Isa isa, int threads) {
+void update_stress(const Body& body, int threads) {
     StressCache& s = body.stress;
     if (s.valid) return;
     const TemplateData& data = body.data();
@@ -123,12 +126,10 @@ void update_stress(const Body& body, Isa isa, int threads) {
     s.quaternion = body.state.quaternion;  // a copy: looking at the stress must not change what the next step does
 
     with_team(elements < kMinElementsForThreads ? 1 : threads, [&](Team& team) {
-        fem::Tet4Pass pass;
-        pass.position = body.state.x.data()->data();
-        pass.quaternion = s.quaternion.data();
-        pass.stress = s.block_stress.data();
-        pass.energy = s.block_energy.data();
-        fem::run_elements(team, element_set(body, isa), pass);
+        fem::ElementOutputs outputs;
+        outputs.stress = s.block_stress.data();
+        outputs.energy = s.block_energy.data();
+        body.elements->evaluate(team, body.state.x.data()->data(), s.quaternion.data(), outputs);
         team.for_range(elements, 512, [&](std::size_t begin, std::size_t end) {
             for (std::size_t e = begin; e < end; ++e) {
                 for (std::size_t c = 0; c < 6; ++c) s.element[e][c] = s.block_stress[(e / fem::kBlock * 6 + c) * fem::kBlock + e % fem::kBlock];

@@ -4,7 +4,7 @@
 #include <variant>
 #include <vector>
 
-#include "supple/fem/element_passes.h"
+#include "supple/fem/elements.h"
 #include "supple/solve/linear_solver.h"
 #include "supple/world/template_data.h"
 #include "supple/world/world.h"
@@ -49,7 +49,6 @@ struct System {
     using Scalar = Real;
     System(const TemplateData& data, Isa isa);
 
-    AlignedVector<Real> record;  ///< element records (fem/tet4.h)
     solve::Bsr3<Real> A;
     std::unique_ptr<solve::Preconditioner<Real>> preconditioner;
     solve::LinearSolver<Real> solver;
@@ -85,10 +84,9 @@ struct Body {
     std::shared_ptr<const BodyTemplate> shape;
 
     // Model: constant during a step.
-    AlignedVector<double> moduli;     ///< [block][lambda mu][lane]
-    std::vector<double> laplacian;    ///< [matrix block] sum of mu V g_a.g_b
+    std::unique_ptr<fem::Elements> elements;  ///< the law at work; holds the tangent of the current step
     std::vector<double> mass;         ///< [vertex]
-    std::vector<double> stiffness_trace;
+    std::vector<double> stiffness_trace;  ///< of each vertex's diagonal block at rest [N/m]
     std::vector<std::int32_t> owner;  ///< [vertex * 3 + axis] kFree, kHeld, or an index into motions
     std::vector<Motion> motions;
     std::vector<PreparedLoad> loads;
@@ -131,8 +129,7 @@ struct Drag {
 
 /// @error Error(invalid_argument) naming the field of BodyDef
 std::unique_ptr<Body> make_body(const BodyDef& def, const WorldDef& world, std::size_t index, Isa isa);
-fem::ElementSet element_set(const Body& body, Isa isa);
 /// Fills body.stress from the current positions, unless it is valid.
-void update_stress(const Body& body, Isa isa, int threads);
+void update_stress(const Body& body, int threads);
 
 }  // namespace supple

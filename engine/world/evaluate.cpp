@@ -2,6 +2,7 @@
 
 #include "supple/base/error.h"
 #include "supple/fem/element_passes.h"
+#include "supple/fem/elements.h"
 #include "supple/fem/rest.h"
 #include "supple/fem/stress.h"
 #include "supple/world/template_data.h"
@@ -10,13 +11,16 @@ namespace supple {
 
 namespace {
 
-/// One configuration of a shape: moduli, rotations, scratch. The scalar kernels: an evaluation is a reference, not a race.
+/// One configuration of a shape: elements, rotations, scratch. The scalar kernels: an evaluation is a reference, not a race.
 struct Configuration {
     Configuration(const BodyTemplate& shape, const Material& material, std::span<const Vec3> positions) : data(shape.data()) {
         check(positions, "positions_m");
-        const Corotational& law = std::get<Corotational>(material);
-        const Lame lame = lame_parameters(law.young_pa, law.poisson, "material");
-        moduli = fem::make_moduli(data.rest, std::span(&lame, 1));
+        fem::ElementsDef def;
+        def.rest = &data.rest;
+        def.corners = &data.corners;
+        def.lame = {small_strain(material)};
+        def.project = false;
+        elements = fem::make_elements(def, material);
         quaternion.resize(data.rest.blocks() * 4 * fem::kBlock);
         corner.resize(data.rest.blocks() * fem::kBlock * 16);
         fem::seed_rotations(team, data.rest, positions, quaternion);
@@ -31,11 +35,11 @@ struct Configuration {
             if (!field[i].allFinite()) throw Error(ErrorCode::invalid_argument, what, "vector " + std::to_string(i) + " is not finite");
         }
     }
-    fem::ElementSet set() const { return {data.rest, data.corners, moduli, fem::tet4_kernels(Isa::scalar)}; }
 
     const TemplateData& data;
     Team team;
-    AlignedVector<double> moduli, quaternion, corner;
+    std::unique_ptr<fem::Elements> elements;
+    AlignedVector<double> quaternion, corner;
 };
 
 }  // namespace
@@ -44,13 +48,11 @@ Evaluation evaluate(const BodyTemplate& shape, const Material& material, std::sp
     Configuration c(shape, material, positions_m);
     const std::size_t elements = c.data.rest.elements;
     AlignedVector<double> energy(c.data.rest.blocks() * fem::kBlock), stress(c.data.rest.blocks() * 6 * fem::kBlock);
-    fem::Tet4Pass pass;
-    pass.position = positions_m.data()->data();
-    pass.quaternion = c.quaternion.data();
-    pass.corner_force = c.corner.data();
-    pass.energy = energy.data();
-    pass.stress = stress.data();
-    fem::run_elements(c.team, c.set(), pass);
+    fem::ElementOutputs outputs;
+    outputs.corner_force = c.corner.data();
+    outputs.energy = energy.data();
+    outputs.stress = stress.data();
+    c.elements->evaluate(c.team, positions_m.data()->data(), c.quaternion.data(), outputs);
 
     Evaluation result;
     result.forces_n.resize(positions_m.size());
@@ -71,12 +73,11 @@ std::vector<Vec3> force_differential(const BodyTemplate& shape, const Material& 
                                      std::span<const Vec3> direction_m) {
     Configuration c(shape, material, positions_m);
     c.check(direction_m, "direction_m");
-    fem::Tet4Pass pass;  // polishes the rotations to the last digit
-    pass.position = positions_m.data()->data();
-    pass.quaternion = c.quaternion.data();
-    fem::run_elements(c.team, c.set(), pass);
+    fem::ElementOutputs outputs;
+    outputs.tangent = true;
+    c.elements->evaluate(c.team, positions_m.data()->data(), c.quaternion.data(), outputs);
     std::vector<Vec3> df(positions_m.size());
-    fem::stiffness_product(c.team, c.set(), c.quaternion.data(), direction_m, c.corner, df);
+    c.elements->product(c.team, c.quaternion.data(), direction_m, c.corner, df);
     for (Vec3& v : df) v = -v;
     return df;
 }

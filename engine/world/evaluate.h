@@ -19,7 +19,7 @@ struct Evaluation {
 /// @error Error(invalid_argument) on a wrong count or a non-finite position
 Evaluation evaluate(const BodyTemplate& shape, const Material& material, std::span<const Vec3> positions_m);
 
-/// df = (df/dx) d, with the rotations held (warped tangent, R K R^T) [N].
+/// df = (df/dx) d [N]. Linear and corotational: with the rotations held (warped tangent, R K R^T). Hyperelastic: the consistent tangent, not projected.
 std::vector<Vec3> force_differential(const BodyTemplate& shape, const Material& material,
                                      std::span<const Vec3> positions_m, std::span<const Vec3> direction_m);
 

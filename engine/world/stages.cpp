@@ -26,7 +26,7 @@ Vec3 prescribed_velocity(const Body& body, const Motion& motion, std::size_t ver
 }  // namespace
 
 void stiffness_product(StepContext& ctx, Body& body, const std::vector<Vec3>& field) {
-    fem::stiffness_product(ctx.team, element_set(body, ctx.world.isa), body.state.quaternion.data(), field, body.work.corner, body.work.product);
+    body.elements->product(ctx.team, body.state.quaternion.data(), field, body.work.corner, body.work.product);
 }
 
 void prepare_step(StepContext& ctx, Body& body) {
@@ -61,13 +61,10 @@ double evaluate_elements(StepContext& ctx, Body& body, bool at_current) {
     ctx.team.for_range(body.vertices(), kRowChunk, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) w.y[i] = at_current ? s.x[i] : Vec3(s.x[i] + h * w.v0[i]);
     });
-    fem::Tet4Pass pass;
-    pass.position = w.y.data()->data();
-    pass.quaternion = s.quaternion.data();
-    pass.corner_force = w.corner.data();
-    if (auto* single = std::get_if<System<float>>(&body.system)) pass.record_f = single->record.data();
-    if (auto* dbl = std::get_if<System<double>>(&body.system)) pass.record_d = dbl->record.data();
-    fem::run_elements(ctx.team, element_set(body, ctx.world.isa), pass);
+    fem::ElementOutputs outputs;
+    outputs.corner_force = w.corner.data();
+    outputs.tangent = true;
+    body.elements->evaluate(ctx.team, w.y.data()->data(), s.quaternion.data(), outputs);
     ctx.team.for_range(body.vertices(), kRowChunk, [&](std::size_t begin, std::size_t end) {
         fem::gather_corners(data.corners, w.corner.data(), begin, end, w.b.data());
         for (std::size_t i = begin; i < end; ++i) {
@@ -96,25 +93,7 @@ void assemble(StepContext& ctx, Body& body) {
     for (std::size_t i = 0; i < body.vertices(); ++i) w.diagonal[i] = mass * body.mass[i];
     with_system(body, [&](auto& system) {
         using Real = typename std::remove_reference_t<decltype(system)>::Scalar;
-        fem::Tet4Assembly<Real> pass;
-        pass.row_start = data.pattern.row_start.data();
-        pass.column = data.pattern.column.data();
-        pass.mirror = data.pattern.mirror.data();
-        pass.contribution_start = data.gather.start.data();
-        pass.contribution = data.gather.pair.data();
-        pass.record = system.record.data();
-        pass.laplacian = body.laplacian.data();
-        pass.diagonal_shift = w.diagonal.data();
-        pass.stiffness_scale = stiffness_scale(def);
-        pass.value = system.A.value.data();
-        const auto& kernels = fem::tet4_kernels(ctx.world.isa);
-        ctx.team.for_range(body.vertices(), kRowChunk, [&](std::size_t begin, std::size_t end) {
-            if constexpr (sizeof(Real) == 4) {
-                kernels.assemble_f(pass, begin, end);
-            } else {
-                kernels.assemble_d(pass, begin, end);
-            }
-        });
+        body.elements->assemble(ctx.team, stiffness_scale(def), w.diagonal, system.A.value.data());
         // Held coordinates: zero rows and columns, one on the diagonal.
         ctx.team.for_range(body.held_rows.size(), 64, [&](std::size_t begin, std::size_t end) {
             for (std::size_t k = begin; k < end; ++k) {

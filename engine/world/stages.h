@@ -1,4 +1,5 @@
 #pragma once
+#include "supple/fem/element_passes.h"
 #include "supple/world/impl.h"
 
 namespace supple {

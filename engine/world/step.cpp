@@ -63,7 +63,7 @@ StepReport do_step(World::Impl& world) noexcept {
     });
     ++world.step;
     if (world.def.stress_each_step) {
-        for (const std::uint32_t slot : world.order) update_stress(*world.slots[slot].body, world.isa, world.threads);
+        for (const std::uint32_t slot : world.order) update_stress(*world.slots[slot].body, world.threads);
         report.stage_ms[std::size_t(Stage::stress)] = watch.lap_ms();
     }
     report.step = world.step;

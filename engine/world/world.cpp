@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "supple/base/hash.h"
+#include "supple/fem/element_passes.h"
 #include "supple/world/impl.h"
 
 namespace supple {
@@ -61,9 +62,9 @@ BodyId World::add_body(const BodyDef& def) {
     auto body = make_body(def, w.def, slot, w.isa);
     if (w.def.log) {
         for (const std::string& sentence : body->data().report.sentences()) w.def.log(LogLevel::warning, body->name + ": " + sentence);
-        const Corotational* material = std::get_if<Corotational>(&def.material);
-        if (material != nullptr && material->poisson > 0.48) {
-            w.def.log(LogLevel::warning, body->name + ": Poisson's ratio " + to_text(material->poisson) + " above 0.48 locks linear tetrahedra: they bend too little");
+        const Lame lame = small_strain(def.material);
+        if (const double poisson = lame.lambda_pa / (2 * (lame.lambda_pa + lame.mu_pa)); poisson > 0.48 + 1e-9) {
+            w.def.log(LogLevel::warning, body->name + ": Poisson's ratio " + to_text(poisson) + " above 0.48 locks linear tetrahedra: they bend too little");
         }
     }
     if (slot == w.slots.size()) w.slots.emplace_back();
@@ -158,7 +159,7 @@ namespace {
 
 const StressCache& stress_of(const World::Impl& w, BodyId id) {
     const Body& body = w.body(id);
-    update_stress(body, w.isa, w.threads);
+    update_stress(body, w.threads);
     return body.stress;
 }
 

@@ -1,4 +1,4 @@
-#include "supple/io/gmsh_builder.h"
+#include "supple/io/mesh_builder.h"
 
 #include <algorithm>
 #include <limits>
@@ -9,19 +9,6 @@ namespace supple::io {
 
 namespace {
 
-// Codes, dimensions and vertex counts: Gmsh reference manual, "MSH file format", element types.
-constexpr GmshElementType kTypes[] = {
-    {1, "2-node line", 1, 2},         {2, "3-node triangle", 2, 3},     {3, "4-node quadrangle", 2, 4},    {4, "4-node tetrahedron", 3, 4},
-    {5, "8-node hexahedron", 3, 8},   {6, "6-node prism", 3, 6},        {7, "5-node pyramid", 3, 5},       {8, "3-node line", 1, 3},
-    {9, "6-node triangle", 2, 6},     {10, "9-node quadrangle", 2, 9},  {11, "10-node tetrahedron", 3, 10}, {12, "27-node hexahedron", 3, 27},
-    {13, "18-node prism", 3, 18},     {14, "14-node pyramid", 3, 14},   {15, "point", 0, 1},               {16, "8-node quadrangle", 2, 8},
-    {17, "20-node hexahedron", 3, 20}, {18, "15-node prism", 3, 15},    {19, "13-node pyramid", 3, 13},    {20, "9-node triangle", 2, 9},
-    {21, "10-node triangle", 2, 10},  {22, "12-node triangle", 2, 12},  {23, "15-node triangle", 2, 15},   {24, "15-node triangle", 2, 15},
-    {25, "21-node triangle", 2, 21},  {26, "4-node line", 1, 4},        {27, "5-node line", 1, 5},         {28, "6-node line", 1, 6},
-    {29, "20-node tetrahedron", 3, 20}, {30, "35-node tetrahedron", 3, 35}, {31, "56-node tetrahedron", 3, 56}, {36, "16-node quadrangle", 2, 16},
-    {37, "25-node quadrangle", 2, 25}, {38, "36-node quadrangle", 2, 36}, {92, "64-node hexahedron", 3, 64}, {93, "125-node hexahedron", 3, 125},
-};
-
 constexpr std::size_t kMostVertices = std::size_t(std::numeric_limits<std::int32_t>::max());
 
 void sort_unique(std::vector<std::int32_t>& list) {
@@ -31,25 +18,11 @@ void sort_unique(std::vector<std::int32_t>& list) {
 
 }  // namespace
 
-const GmshElementType& gmsh_element_type(const TextScanner& scanner, const char* position, std::int64_t code) {
-    const auto* type = std::find_if(std::begin(kTypes), std::end(kTypes), [&](const GmshElementType& t) { return t.code == code; });
-    if (type == std::end(kTypes)) {
-        scanner.fail("Gmsh element type " + std::to_string(code) + " is not known; tetrahedra (4) and hexahedra (5) can be simulated", position,
-                     ErrorCode::unsupported);
-    }
-    if (type->dimension < 3 || type->code == 4 || type->code == 5) return *type;
-    const std::string what = "a " + std::string(type->name) + " (Gmsh element type " + std::to_string(code) + ") cannot be simulated; ";
-    const bool linear = type->code == 6 || type->code == 7;
-    scanner.fail(what + (linear ? "mesh the part with tetrahedra or hexahedra (in Gmsh: no extrusion with Recombine, or split with Mesh.SubdivisionAlgorithm)"
-                                : "save the mesh with first-order elements (in Gmsh: Mesh.ElementOrder = 1, or gmsh -order 1)"),
-                 position, ErrorCode::unsupported);
-}
-
-void GmshBuilder::name_group(int dimension, std::int64_t tag, std::string name) {
+void MeshBuilder::name_group(int dimension, std::int64_t tag, std::string name) {
     groups_[std::size_t(group(dimension, tag))].name = std::move(name);
 }
 
-std::int32_t GmshBuilder::group(int dimension, std::int64_t tag) {
+std::int32_t MeshBuilder::group(int dimension, std::int64_t tag) {
     const std::pair key(dimension, tag);
     if (key == last_key_) return last_group_;
     const auto [entry, is_new] = group_index_.try_emplace(key, std::int32_t(groups_.size()));
@@ -61,19 +34,19 @@ std::int32_t GmshBuilder::group(int dimension, std::int64_t tag) {
     return last_group_ = entry->second;
 }
 
-void GmshBuilder::reserve_vertices(std::size_t count) {
+void MeshBuilder::reserve_vertices(std::size_t count) {
     mesh_.vertices.reserve(mesh_.vertices.size() + count);
     ids_.reserve(ids_.size() + count);
     positions_.reserve(positions_.size() + count);
 }
 
-void GmshBuilder::add_vertex(std::int64_t id, const Vec3& x, const char* position) {
+void MeshBuilder::add_vertex(std::int64_t id, const Vec3& x, const char* position) {
     ids_.push_back(id);
     positions_.push_back(position);
     mesh_.vertices.push_back(x);
 }
 
-void GmshBuilder::close_vertices(const TextScanner& scanner) {
+void MeshBuilder::close_vertices(const TextScanner& scanner) {
     if (ids_.empty()) return;
     if (ids_.size() > kMostVertices) scanner.fail("more than 2^31 - 1 nodes", positions_.back());
     const auto [low, high] = std::minmax_element(ids_.begin(), ids_.end());
@@ -101,7 +74,7 @@ void GmshBuilder::close_vertices(const TextScanner& scanner) {
     ids_ = {};
 }
 
-std::int32_t GmshBuilder::vertex(std::int64_t id) const {
+std::int32_t MeshBuilder::vertex(std::int64_t id) const {
     if (!dense_.empty()) {
         const std::uint64_t offset = std::uint64_t(id) - std::uint64_t(first_id_);
         return offset < dense_.size() ? dense_[std::size_t(offset)] : -1;
@@ -110,9 +83,9 @@ std::int32_t GmshBuilder::vertex(std::int64_t id) const {
     return found != sparse_.end() && found->first == id ? found->second : -1;
 }
 
-void GmshBuilder::add_element(const TextScanner& scanner, const char* position, const GmshElementType& type, std::span<const std::int64_t> ids,
+void MeshBuilder::add_element(const TextScanner& scanner, const char* position, const ElementType& type, std::span<const std::int64_t> ids,
                               std::span<const std::int64_t> physicals) {
-    std::int32_t corner[kGmshMostVertices];
+    std::int32_t corner[kMostElementVertices];
     for (std::size_t i = 0; i < ids.size(); ++i) {
         corner[i] = vertex(ids[i]);
         if (corner[i] < 0) scanner.fail("the element uses node " + std::to_string(ids[i]) + ", which the file does not define", position);
@@ -143,7 +116,7 @@ void GmshBuilder::add_element(const TextScanner& scanner, const char* position, 
     }
 }
 
-VolumeMesh GmshBuilder::finish(const std::string& name) {
+VolumeMesh MeshBuilder::finish(const std::string& name) {
     if (mesh_.element_count() == 0) refuse_empty(name);
     if (mesh_.element_count() > kMostVertices) throw Error(ErrorCode::unsupported, name, "more than 2^31 - 1 elements");
     mesh_.source = name;
@@ -152,7 +125,7 @@ VolumeMesh GmshBuilder::finish(const std::string& name) {
     return std::move(mesh_);
 }
 
-void GmshBuilder::finish_regions(VolumeMesh& mesh) {
+void MeshBuilder::finish_regions(VolumeMesh& mesh) {
     tet_group_.insert(tet_group_.end(), hex_group_.begin(), hex_group_.end());
     std::vector<bool> has_elements(groups_.size(), false);
     for (std::int32_t g : tet_group_) {
@@ -172,7 +145,7 @@ void GmshBuilder::finish_regions(VolumeMesh& mesh) {
     }
 }
 
-void GmshBuilder::finish_groups(VolumeMesh& mesh) {
+void MeshBuilder::finish_groups(VolumeMesh& mesh) {
     // A volume group that shares elements with another one is given as vertices too: all of them, not only those of its own elements.
     for (std::size_t e = 0; e < tet_group_.size(); ++e) {
         if (tet_group_[e] < 0 || !groups_[std::size_t(tet_group_[e])].overlaps) continue;
@@ -197,7 +170,7 @@ void GmshBuilder::finish_groups(VolumeMesh& mesh) {
     for (VertexGroup& group : mesh.groups) sort_unique(group.vertices);
 }
 
-void GmshBuilder::refuse_empty(const std::string& name) const {
+void MeshBuilder::refuse_empty(const std::string& name) const {
     if (lower_count_[2] > 0) throw surface_error(name, std::to_string(lower_count_[2]) + " triangles or quadrangles");
     const std::size_t thin = lower_count_[0] + lower_count_[1];
     if (thin > 0) throw surface_error(name, "only " + std::to_string(thin) + " line and point elements");

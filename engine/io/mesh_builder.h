@@ -11,33 +11,41 @@
 
 namespace supple::io {
 
-struct GmshElementType {
+/// A kind of element; the code is Gmsh's number for it.
+struct ElementType {
     int code;
     const char* name;
     int dimension;
     int vertex_count;
 };
 
-inline constexpr int kGmshMostVertices = 125;  ///< of any element in the table
+inline constexpr int kMostElementVertices = 125;  ///< of any element in the table
 
-/// @error Error(unsupported) at the scanner's line if the code is unknown or is that of a volume element other than tet4 and hex8
-const GmshElementType& gmsh_element_type(const TextScanner& scanner, const char* position, std::int64_t code);
+inline constexpr ElementType kPointType{15, "point", 0, 1};
+inline constexpr ElementType kTriangleType{2, "3-node triangle", 2, 3};
+inline constexpr ElementType kTetType{4, "4-node tetrahedron", 3, 4};
+inline constexpr ElementType kHexType{5, "8-node hexahedron", 3, 8};
 
-/// Gathers what the versions of the format have in common and makes the mesh of it.
-class GmshBuilder {
+/// Gathers what the file formats have in common - numbered vertices, elements of any dimension, tagged groups - and makes the mesh of it.
+class MeshBuilder {
 public:
     void name_group(int dimension, std::int64_t tag, std::string name);
 
     /// @param position  where the record stands, for messages
     void add_vertex(std::int64_t id, const Vec3& x, const char* position);
     void reserve_vertices(std::size_t count);
+    std::size_t vertex_count() const { return mesh_.vertices.size(); }
     void close_vertices(const TextScanner& scanner);  ///< makes the ids known; a repeated id is an error
 
     /// @param ids        vertex ids of the file, as many as the type has
     /// @param physicals  tags of its physical groups, zeros ignored
-    void add_element(const TextScanner& scanner, const char* position, const GmshElementType& type, std::span<const std::int64_t> ids,
+    void add_element(const TextScanner& scanner, const char* position, const ElementType& type, std::span<const std::int64_t> ids,
                      std::span<const std::int64_t> physicals);
 
+    /// Counts elements that the mesh has no use for, so that a file without volume elements can be named for what it is.
+    void note_lower_elements(int dimension, std::size_t count) { lower_count_[dimension] += count; }
+
+    /// @error Error(surface_mesh) where nothing fills a volume, Error(parse) where there are no elements at all
     VolumeMesh finish(const std::string& name);
 
 private:
@@ -69,15 +77,5 @@ private:
     std::vector<std::int32_t> dense_;                                  ///< id - first_id_ -> vertex
     std::vector<std::pair<std::int64_t, std::int32_t>> sparse_;        ///< sorted by id, where ids are far apart
 };
-
-/// The parts of the file that each version reads in its own way; the scanners stand behind the section's head line.
-void read_gmsh2_nodes(TextScanner& scanner, GmshBuilder& builder, bool parametric);
-void read_gmsh2_elements(TextScanner& scanner, GmshBuilder& builder, bool version1);
-
-/// Physical tags of each entity (dimension, tag).
-using GmshEntities = std::map<std::pair<int, std::int64_t>, std::vector<std::int64_t>>;
-GmshEntities read_gmsh4_entities(TextScanner& scanner);
-void read_gmsh4_nodes(TextScanner& scanner, GmshBuilder& builder);
-void read_gmsh4_elements(TextScanner& scanner, GmshBuilder& builder, const GmshEntities& entities);
 
 }  // namespace supple::io

@@ -1,0 +1,161 @@
+#include "supple/fem/elements.h"
+
+#include "supple/base/assert.h"
+#include "supple/fem/element_passes.h"
+#include "supple/fem/hyper_parameters.h"
+#include "supple/fem/rest.h"
+#include "supple/fem/tet4_hyper.h"
+
+namespace supple::fem {
+
+namespace {
+
+/// Rows per chunk of an assembly.
+constexpr std::size_t kRowChunk = 512;
+
+template <class Assembly>
+void fill_lists(Assembly& pass, const MatrixLists& lists, double scale, std::span<const double> shift) {
+    pass.row_start = lists.row_start.data();
+    pass.column = lists.column.data();
+    pass.mirror = lists.mirror.data();
+    pass.contribution_start = lists.contribution_start.data();
+    pass.contribution = lists.contribution.data();
+    pass.stiffness_scale = scale;
+    pass.diagonal_shift = shift.data();
+}
+
+/// Linear elasticity in a frame: small displacements and the corotational methods.
+class FrameTets final : public Elements {
+public:
+    FrameTets(const ElementsDef& def, Frame frame)
+        : def_(def), moduli_(make_moduli(*def.rest, def.lame)), set_{*def.rest, *def.corners, moduli_, tet4_kernels(def.isa), frame} {
+        const std::size_t records = def.rest->blocks() * kBlock * kRecord;
+        if (def.precision == MatrixPrecision::single) record_f_.resize(records);
+        if (def.precision == MatrixPrecision::double_) record_d_.resize(records);
+        if (def.precision == MatrixPrecision::none) return;
+        laplacian_.assign(def.lists.blocks(), 0.0);
+        for (std::size_t b = 0; b < laplacian_.size(); ++b) {
+            for (std::int64_t i = def.lists.contribution_start[b]; i < def.lists.contribution_start[b + 1]; ++i) {
+                laplacian_[b] += laplacian_entry(*def.rest, moduli_, def.lists.contribution[std::size_t(i)]);
+            }
+        }
+    }
+
+    void evaluate(Team& team, const double* position, double* quaternion, const ElementOutputs& outputs) override {
+        Tet4Pass pass;
+        pass.position = position;
+        pass.quaternion = quaternion;
+        pass.corner_force = outputs.corner_force;
+        pass.energy = outputs.energy;
+        pass.stress = outputs.stress;
+        if (outputs.tangent && !record_f_.empty()) pass.record_f = record_f_.data();
+        if (outputs.tangent && !record_d_.empty()) pass.record_d = record_d_.data();
+        run_elements(team, set_, pass);
+    }
+
+    void product(Team& team, const double* quaternion, std::span<const Vec3> field, AlignedVector<double>& corner,
+                 std::vector<Vec3>& out) override {
+        stiffness_product(team, set_, quaternion, field, corner, out);
+    }
+
+    void assemble(Team& team, double scale, std::span<const double> shift, float* value) override {
+        assemble_rows(team, scale, shift, record_f_, value, set_.kernels.assemble_f);
+    }
+    void assemble(Team& team, double scale, std::span<const double> shift, double* value) override {
+        assemble_rows(team, scale, shift, record_d_, value, set_.kernels.assemble_d);
+    }
+
+private:
+    template <class Real, class Kernel>
+    void assemble_rows(Team& team, double scale, std::span<const double> shift, const AlignedVector<Real>& record, Real* value, Kernel kernel) {
+        SUPPLE_ASSERT(!record.empty());
+        Tet4Assembly<Real> pass;
+        fill_lists(pass, def_.lists, scale, shift);
+        pass.record = record.data();
+        pass.laplacian = laplacian_.data();
+        pass.value = value;
+        team.for_range(def_.lists.rows(), kRowChunk, [&](std::size_t begin, std::size_t end) { kernel(pass, begin, end); });
+    }
+
+    ElementsDef def_;
+    AlignedVector<double> moduli_;
+    ElementSet set_;
+    std::vector<double> laplacian_;  ///< [matrix block] sum of mu V g_a.g_b
+    AlignedVector<float> record_f_;
+    AlignedVector<double> record_d_;
+};
+
+/// Hyperelastic laws in principal stretches.
+class HyperTets final : public Elements {
+public:
+    HyperTets(const ElementsDef& def, HyperParameters parameters)
+        : def_(def), parameters_(std::move(parameters)), kernels_(tet4_hyper_kernels(def.isa)) {
+        const std::size_t lanes = def.rest->blocks() * kBlock;
+        tangent_.resize(lanes * kTangent);
+        if (def.precision == MatrixPrecision::single) block_f_.resize(lanes * kElementBlocks);
+        if (def.precision == MatrixPrecision::double_) block_d_.resize(lanes * kElementBlocks);
+    }
+
+    void evaluate(Team& team, const double* position, double* quaternion, const ElementOutputs& outputs) override {
+        Tet4HyperPass pass;
+        pass.vertex = def_.rest->vertex.data();
+        pass.gradient = def_.rest->gradient.data();
+        pass.volume = def_.rest->volume.data();
+        pass.parameter = parameters_.field.data();
+        pass.parameters = parameters_.count;
+        pass.position = position;
+        pass.project = def_.project;
+        pass.quaternion = quaternion;
+        pass.corner_force = outputs.corner_force;
+        pass.energy = outputs.energy;
+        pass.stress = outputs.stress;
+        if (outputs.tangent) {
+            pass.tangent = tangent_.data();
+            if (!block_f_.empty()) pass.block_f = block_f_.data();
+            if (!block_d_.empty()) pass.block_d = block_d_.data();
+        }
+        const auto kernel = kernels_.elements[std::size_t(parameters_.law)];
+        team.for_range(def_.rest->blocks(), kBlockChunk, [&](std::size_t begin, std::size_t end) { kernel(pass, begin, end); });
+    }
+
+    void product(Team& team, const double*, std::span<const Vec3> field, AlignedVector<double>& corner, std::vector<Vec3>& out) override {
+        const Tet4HyperProduct pass{def_.rest->vertex.data(), def_.rest->gradient.data(), def_.rest->volume.data(),
+                                    tangent_.data(),          field.data()->data(),       corner.data()};
+        team.for_range(def_.rest->blocks(), kBlockChunk, [&](std::size_t begin, std::size_t end) { kernels_.product(pass, begin, end); });
+        gather(team, *def_.corners, corner, out);
+    }
+
+    void assemble(Team& team, double scale, std::span<const double> shift, float* value) override {
+        assemble_rows(team, scale, shift, block_f_, value, kernels_.assemble_f);
+    }
+    void assemble(Team& team, double scale, std::span<const double> shift, double* value) override {
+        assemble_rows(team, scale, shift, block_d_, value, kernels_.assemble_d);
+    }
+
+private:
+    template <class Real, class Kernel>
+    void assemble_rows(Team& team, double scale, std::span<const double> shift, const AlignedVector<Real>& block, Real* value, Kernel kernel) {
+        SUPPLE_ASSERT(!block.empty());
+        BlockAssembly<Real> pass;
+        fill_lists(pass, def_.lists, scale, shift);
+        pass.block = block.data();
+        pass.value = value;
+        team.for_range(def_.lists.rows(), kRowChunk, [&](std::size_t begin, std::size_t end) { kernel(pass, begin, end); });
+    }
+
+    ElementsDef def_;
+    HyperParameters parameters_;
+    const Tet4HyperKernels& kernels_;
+    AlignedVector<double> tangent_;
+    AlignedVector<float> block_f_;
+    AlignedVector<double> block_d_;
+};
+
+}  // namespace
+
+std::unique_ptr<Elements> make_elements(const ElementsDef& def, const Material& material) {
+    if (is_hyperelastic(material)) return std::make_unique<HyperTets>(def, make_hyper_parameters(*def.rest, material));
+    return std::make_unique<FrameTets>(def, frame_of(material));
+}
+
+}  // namespace supple::fem

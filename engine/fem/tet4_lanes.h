@@ -1,0 +1,59 @@
+#pragma once
+/// What the kernels of linear tetrahedra share: reading corners and gradients of a batch, writing forces. Kernel units only.
+#include "supple/fem/tet4.h"
+#include "supple/math/lane_mat3.h"
+#include "supple/math/lanes4.h"
+
+namespace supple::fem {
+inline namespace SUPPLE_ISA {
+namespace {
+
+using Vector = V3<Lanes>;
+using Matrix = M3<Lanes>;
+
+/// Values of a vertex field at the corners of the elements in some lanes of a block, as differences to corner 0.
+inline void corner_differences(const double* field, const std::int32_t* vertex, Vector d[3]) {
+    alignas(64) double c[4][3][kLanes];
+    for (int a = 0; a < 4; ++a) {
+        for (int lane = 0; lane < kLanes; ++lane) {
+            const double* p = field + 3 * std::size_t(vertex[a * int(kBlock) + lane]);
+            c[a][0][lane] = p[0];
+            c[a][1][lane] = p[1];
+            c[a][2][lane] = p[2];
+        }
+    }
+    const Vector c0{load(c[0][0]), load(c[0][1]), load(c[0][2])};
+    for (int k = 0; k < 3; ++k) d[k] = Vector{load(c[k + 1][0]), load(c[k + 1][1]), load(c[k + 1][2])} - c0;
+}
+
+inline void load_gradients(const double* gradient, Vector g[3]) {
+    for (int k = 0; k < 3; ++k) {
+        const double* p = gradient + std::size_t(3 * k) * kBlock;
+        g[k] = {load(p), load(p + kBlock), load(p + 2 * kBlock)};
+    }
+}
+
+/// Writes four vectors per lane as [lane][corner][x y z w]; w given for corners 0 and 1, zero for the others.
+template <class Real>
+inline void store_corners(Real* out, const Vector v[4], Lanes w0, Lanes w1) {
+    alignas(64) double s[16][kLanes];
+    const Lanes zero(0.0);
+    for (int a = 0; a < 4; ++a) {
+        store(s[4 * a], v[a].x);
+        store(s[4 * a + 1], v[a].y);
+        store(s[4 * a + 2], v[a].z);
+        store(s[4 * a + 3], a == 0 ? w0 : a == 1 ? w1 : zero);
+    }
+    for (int lane = 0; lane < kLanes; ++lane)
+        for (int i = 0; i < 16; ++i) out[std::size_t(lane) * 16 + std::size_t(i)] = Real(s[i][lane]);
+}
+
+/// f_a = -scale P g_a for the four corners.
+inline void corner_forces(const Matrix& P, const Vector g[3], Lanes scale, Vector f[4]) {
+    for (int k = 0; k < 3; ++k) f[k + 1] = (Lanes(0.0) - scale) * (P * g[k]);
+    f[0] = Lanes(-1.0) * (f[1] + f[2] + f[3]);  // the four cancel to the last bit but one: no net force
+}
+
+}  // namespace
+}  // namespace SUPPLE_ISA
+}  // namespace supple::fem
