@@ -15,8 +15,8 @@ WorldDef world_def(const ShowOptions& options) {
     WorldDef def;
     def.threads = options.threads;
     def.time_step_s = 1.0 / 120;
-    def.solver.rayleigh_mass_1_s = 0.6;        // the air and the tissue around it calm the swinging
-    def.solver.rayleigh_stiffness_s = 0.004;
+    def.solver.rayleigh_mass_1_s = 0.3;        // the air and the tissue around it calm the swinging
+    def.solver.rayleigh_stiffness_s = 0.002;
     return def;
 }
 
@@ -51,17 +51,20 @@ std::vector<Touch> touches() {
     Touch press;
     press.begin_s = 2.2;
     press.end_s = 5.0;
-    press.ray = {Vec3(-0.045, -0.01, 0.5), Vec3(0, 0, -1)};
-    press.radius_m = 0.02;
-    press.displacement_m = there_and_back(Vec3(0.004, 0.004, -0.035), 1.0, 1.9, 0.8);
+    const Vec3 inwards = Vec3(0.80, -0.25, -0.55).normalized();  // from the front and the side, so that the arrow is seen in full
+    press.ray = {Vec3(-0.040, -0.005, 0.045) - 0.4 * inwards, inwards};
+    press.radius_m = 0.024;
+    press.tool_radius_m = 0.012;
+    press.displacement_m = there_and_back(0.038 * inwards, 1.0, 1.9, 0.8);
     press.caption = "Pressed: the stress spreads from the tool to the ligament";
 
     Touch pull;
     pull.begin_s = 6.0;
     pull.end_s = 8.0;
     pull.ray = {Vec3(-0.03, -0.5, 0.02), Vec3(0, 1, 0)};
-    pull.radius_m = 0.018;
-    pull.displacement_m = there(Vec3(0.01, -0.05, 0.05), 1.4);
+    pull.radius_m = 0.03;
+    pull.displacement_m = there(Vec3(0.025, -0.038, 0.03), 1.4);
+    pull.tool_radius_m = 0.008;
     pull.pushes = false;
     pull.caption = "Pulled at the lower edge";
     return {press, pull};
@@ -69,7 +72,7 @@ std::vector<Touch> touches() {
 
 class Liver : public Show {
 public:
-    explicit Liver(const ShowOptions& options) : world_(world_def(options)), script_(world_, touches(), 0.012) {
+    explicit Liver(const ShowOptions& options) : world_(world_def(options)), script_(world_, touches(), 0.009) {
         BodyDef def;
         def.name = "liver";
         def.shape = BodyTemplate::build(io::read_mesh(find_asset("liver.msh")));
@@ -78,8 +81,9 @@ public:
         body_ = world_.add_body(def);
         world_.fix(body_, InGroup{"ligament"});
         SceneBounds bounds = bounds_of(world_);
-        bounds.min_m.y() -= 0.04;  // it sags
+        bounds.min_m.y() -= 0.06;  // it sags, and is pulled down
         camera_ = frame_camera(bounds, Vec3(0, 0.12, 1), 32);
+        camera_.eye_m = camera_.target_m + 0.82 * (camera_.eye_m - camera_.target_m);  // it fills less than the sphere around its box
     }
 
     World& world() override { return world_; }
@@ -93,9 +97,9 @@ public:
         view.camera.eye_m = camera_.target_m + Eigen::AngleAxisd(turn, Vec3(0, 1, 0)) * (camera_.eye_m - camera_.target_m);
         view.ground_height_m = -0.17;
         view.surfaces[0].look = Look::tissue;
-        if (view.scale) view.scale->high = 2000;
+        if (view.scale) view.scale->high = 3000;
         if (t < 2.0)
-            view.caption = "A liver hangs from its ligament; the colours show its von Mises stress";
+            view.caption = "A liver hangs from its ligament; colours show the stress";
         else if (t > 8.0)
             view.caption = "Let go: it swings back";
         script_.decorate(view);

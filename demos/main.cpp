@@ -28,6 +28,15 @@ int main(int argc, char** argv) {
     add_bench_command(app, status);
     add_eval_command(app, status);
     add_mesh_command(app, status);
+    const auto is_command = [&](const std::string& word) {
+        for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
+            if (command->get_name() == word) return true;
+        return false;
+    };
+    if (argc > 1 && argv[1][0] != '-' && !is_command(argv[1])) {
+        std::fprintf(stderr, "supple: \"%s\" is no command; supple --help lists them\n", argv[1]);
+        return kBadInput;
+    }
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {

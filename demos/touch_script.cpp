@@ -58,8 +58,8 @@ void TouchScript::decorate(FrameView& view) const {
         const auto hit = world_->pick(touch->ray);
         if (hit) {
             const double s = smooth_step(touch->begin_s - kApproach_s, touch->begin_s, world_->time_s());
-            const double gap = (1 - s) * 12 * touch->radius_m + 0.6 * touch->radius_m;
-            view.markers.push_back({hit->position_m - gap * along, 0.6 * touch->radius_m});
+            const double gap = ((1 - s) * 15 + 1) * touch->tool_radius_m;
+            view.markers.push_back({hit->position_m - gap * along, touch->tool_radius_m});
         }
         view.caption = touch->caption;
     }
@@ -67,13 +67,14 @@ void TouchScript::decorate(FrameView& view) const {
     const Touch& touch = touches_[next_];
     const DragState state = world_->drag_state(drag_);
     const Vec3 along = touch.ray.direction.normalized();
-    const Vec3 tool = state.anchor_m - 0.6 * touch.radius_m * along;
+    const Vec3 tool = state.anchor_m - touch.tool_radius_m * along;
+    const Vec3 behind = tool - touch.tool_radius_m * along;
     const Vec3 arrow = newton_length_m_ * state.force_n;
-    view.markers.push_back({tool, 0.6 * touch.radius_m});
+    view.markers.push_back({tool, touch.tool_radius_m});
     if (touch.pushes)
-        view.arrows.push_back({tool - arrow, tool});
+        view.arrows.push_back({behind - arrow, behind});
     else
-        view.arrows.push_back({state.anchor_m, state.anchor_m + arrow});
+        view.arrows.push_back({tool, tool + arrow});
     view.caption = touch.caption;
     show_force(view, state.force_n);
 }

@@ -13,7 +13,8 @@ struct Touch {
     double begin_s = 0;                ///< when it touches; it is seen coming for the second before
     double end_s = 1;                  ///< when it lets go
     Ray ray;                           ///< the tool comes along it; a miss is an Error of the demo
-    double radius_m = 0.01;            ///< of the patch, and of the tool as drawn
+    double radius_m = 0.01;            ///< of the patch
+    double tool_radius_m = 0.01;       ///< of the ball that stands for the tool
     Timeline<Vec3> displacement_m;     ///< of the tool from where it touched; times from begin_s
     double stiffness_n_m = 0;          ///< 0 = from the local effective mass
     double max_force_n = 0;            ///< 0 = no cap

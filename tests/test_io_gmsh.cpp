@@ -40,7 +40,8 @@ const char* const kGmsh4 =
 
 const char* const kHexes =
     "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n12\n1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n5 0 0 1\n6 1 0 1\n7 1 1 1\n8 0 1 1\n"
-    "9 2 0 0\n10 2 1 0\n11 2 0 1\n12 2 1 1\n$EndNodes\n$Elements\n3\n1 5 2 1 1 1 2 3 4 5 6 7 8\n2 4 2 2 1 2 9 3 6\n3 5 2 2 1 2 9 10 3 6 11 12 7\n$EndElements\n";
+    "9 2 0 0\n10 2 1 0\n11 2 0 1\n12 2 1 1\n$EndNodes\n$Elements\n3\n1 5 2 1 1 1 2 3 4 5 6 7 8\n2 4 2 2 1 2 9 3 6\n3 5 2 2 1 2 9 10 3 6 11 "
+    "12 7\n$EndElements\n";
 
 std::string replaced(std::string text, const std::string& from, const std::string& to) {
     const std::size_t at = text.find(from);
@@ -158,8 +159,8 @@ TEST(IoGmsh, ReadsCarriageReturnsAndOddNumbers) {
 }
 
 TEST(IoGmsh, EveryErrorNamesTheLine) {
-    const auto refuse = [](const char* text, const std::string& from, const std::string& to, const std::string& where, const std::vector<std::string>& words,
-                           ErrorCode code = ErrorCode::parse) {
+    const auto refuse = [](const char* text, const std::string& from, const std::string& to, const std::string& where,
+                           const std::vector<std::string>& words, ErrorCode code = ErrorCode::parse) {
         SCOPED_TRACE(to);
         expect_error(code, where, words, [&] { parse(replaced(text, from, to)); });
     };
@@ -179,9 +180,11 @@ TEST(IoGmsh, EveryErrorNamesTheLine) {
     refuse(kGmsh1, "$ENDELM\n", "", "m.msh:14", {"truncated"});
     refuse(kGmsh1, "$ENDELM\n", "$ENDELM\n$ELM\n0\n$ENDELM\n", "m.msh:15", {"second $ELM"});
     refuse(kGmsh1, "$NOD\n", "$NODE\n", "m.msh:1", {"$NODE", "truncated"});
-    refuse(kGmsh2, "3 4 2 6 1 1 2 3 4", "3 11 2 6 1 1 2 3 4 5 1 2 3 4 5", "m.msh:26", {"10-node tetrahedron", "first-order"}, ErrorCode::unsupported);
+    refuse(kGmsh2, "3 4 2 6 1 1 2 3 4", "3 11 2 6 1 1 2 3 4 5 1 2 3 4 5", "m.msh:26", {"10-node tetrahedron", "first-order"},
+           ErrorCode::unsupported);
     refuse(kGmsh2, "3 4 2 6 1 1 2 3 4", "3 6 2 6 1 1 2 3 4 5 1", "m.msh:26", {"6-node prism", "tetrahedra"}, ErrorCode::unsupported);
     refuse(kGmsh2, "3 4 2 6 1 1 2 3 4", "3 77 2 6 1 1 2 3 4", "m.msh:26", {"type 77"}, ErrorCode::unsupported);
+    refuse(kGmsh2, "3 0 1 0\n", "2 0 1 0\n", "m.msh:18", {"node 2", "second time"});
     refuse(kGmsh2, "2.2 0 8", "2.2 1 8", "m.msh:2", {"binary", "ASCII"}, ErrorCode::unsupported);
     refuse(kGmsh2, "2.2 0 8", "4 0 8", "m.msh:2", {"version 4 ", "4.1"}, ErrorCode::unsupported);
     refuse(kGmsh2, "2.2 0 8", "9.9 0 8", "m.msh:2", {"version 9.9"}, ErrorCode::unsupported);
@@ -194,13 +197,18 @@ TEST(IoGmsh, EveryErrorNamesTheLine) {
     refuse(kGmsh4, "3 5 1 90\n", "1152921504606846976 5 1 90\n", "m.msh:31", {"node block 4"});
     refuse(kGmsh4, "3 2 4 1\n", "3 2 2 1\n", "m.msh:40", {"triangle", "dimension 3"});
     refuse(kGmsh4, "4 2 90 4 5", "4 2 90 4 91", "m.msh:41", {"node 91"});
-    refuse(kGmsh4, "$Nodes\n3", "$PartitionedEntities\n$EndPartitionedEntities\n$Nodes\n3", "m.msh:16", {"partition"}, ErrorCode::unsupported);
+    refuse(kGmsh4, "$Nodes\n3", "$PartitionedEntities\n$EndPartitionedEntities\n$Nodes\n3", "m.msh:16", {"partition"},
+           ErrorCode::unsupported);
 }
 
 TEST(IoGmsh, SurfaceOnlyFilesAreCalledSurfaces) {
-    const std::string text = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n3\n1 0 0 0\n2 1 0 0\n3 0 1 0\n$EndNodes\n$Elements\n1\n1 2 2 0 1 1 2 3\n$EndElements\n";
-    expect_error(ErrorCode::surface_mesh, "m.msh", {"surface mesh", "1 triangle", "volume mesh is needed", "tetrahedra"}, [&] { parse(text); });
-    expect_error(ErrorCode::surface_mesh, "m.msh", {"surface mesh", "line"}, [&] { parse(replaced(text, "1 2 2 0 1 1 2 3", "1 1 2 0 1 1 2")); });
+    const std::string text =
+        "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n3\n1 0 0 0\n2 1 0 0\n3 0 1 0\n$EndNodes\n$Elements\n1\n1 2 2 0 1 1 2 "
+        "3\n$EndElements\n";
+    expect_error(ErrorCode::surface_mesh, "m.msh", {"surface mesh", "1 triangle", "volume mesh is needed", "tetrahedra"},
+                 [&] { parse(text); });
+    expect_error(ErrorCode::surface_mesh, "m.msh", {"surface mesh", "line"},
+                 [&] { parse(replaced(text, "1 2 2 0 1 1 2 3", "1 1 2 0 1 1 2")); });
     expect_error(ErrorCode::parse, "m.msh", {"no elements"}, [&] { parse(replaced(text, "1\n1 2 2 0 1 1 2 3\n", "0\n")); });
 }
 

@@ -61,7 +61,8 @@ void expect_error(ErrorCode code, const std::string& where, const std::vector<st
     const Error error = caught(action);
     EXPECT_EQ(to_string(error.code()), to_string(code)) << error.what();
     EXPECT_EQ(error.where(), where) << error.what();
-    for (const std::string& word : words) EXPECT_NE(error.message().find(word), std::string::npos) << "\"" << word << "\" is missing in: " << error.what();
+    for (const std::string& word : words)
+        EXPECT_NE(error.message().find(word), std::string::npos) << "\"" << word << "\" is missing in: " << error.what();
 }
 
 /// What every reader promises about a mesh that it accepts.
@@ -89,10 +90,34 @@ inline void expect_consistent(const VolumeMesh& mesh) {
 /// One random change of a text: a byte, a piece cut out, doubled or moved, or a number made nasty. Depends on nothing but the generator.
 inline std::string mutated(std::string text, std::mt19937& random) {
     const auto below = [&](std::size_t n) { return n == 0 ? 0 : std::size_t(random() % n); };
-    static const char* const kNasty[] = {"-1",   "0",    "2147483647", "2147483648",  "1152921504606846976", "9223372036854775807", "-9223372036854775808",
-                                         "nan",  "inf",  "1e400",      "1e-400",      "0x10",                "",                    "18446744073709551616",
-                                         "1.5",  "\"",   "$",          "$EndNodes\n", "-2147483648",         "99999",               "\n",
-                                         "1D+3", "null", "{",          "[[",          "\xff\xfe",            "1e308",               "true"};
+    static const char* const kNasty[] = {"-1",
+                                         "0",
+                                         "2147483647",
+                                         "2147483648",
+                                         "1152921504606846976",
+                                         "9223372036854775807",
+                                         "-9223372036854775808",
+                                         "nan",
+                                         "inf",
+                                         "1e400",
+                                         "1e-400",
+                                         "0x10",
+                                         "",
+                                         "18446744073709551616",
+                                         "1.5",
+                                         "\"",
+                                         "$",
+                                         "$EndNodes\n",
+                                         "-2147483648",
+                                         "99999",
+                                         "\n",
+                                         "1D+3",
+                                         "null",
+                                         "{",
+                                         "[[",
+                                         "\xff\xfe",
+                                         "1e308",
+                                         "true"};
     const std::size_t at = below(text.size());
     switch (random() % 6) {
         case 0:
@@ -120,7 +145,8 @@ inline std::string mutated(std::string text, std::mt19937& random) {
     return text;
 }
 
-/// Parses `trials` random variants of each text: only Errors may escape, accepted meshes must be consistent. Returns how many were accepted.
+/// Parses `trials` random variants of each text: only Errors may escape, accepted meshes must be consistent. Returns how many were
+/// accepted.
 template <class Parse>
 std::size_t expect_only_errors(const std::vector<std::string>& texts, int trials, unsigned seed, Parse&& parse) {
     std::mt19937 random(seed);

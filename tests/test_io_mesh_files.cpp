@@ -18,9 +18,9 @@ TEST(IoMeshFile, RealMeshesAreReadOrRefusedByName) {
         std::vector<std::string> regions, groups;
     };
     const Volume volumes[] = {
-        {"polyfem_bar-2523.msh", 886, 2523, {}, {}},       {"polyfem_bunny.msh", 4670, 19379, {}, {}},
-        {"polyfem_sphere1K.msh", 1760, 6851, {}, {}},      {"sofa_cylinder.msh", 510, 2430, {"region_1"}, {}},
-        {"sofa_liver.msh", 181, 596, {"region_1"}, {}},    {"sofa_liver2.msh", 507, 1493, {"region_2"}, {"curve_1", "surface_1"}},
+        {"polyfem_bar-2523.msh", 886, 2523, {}, {}},    {"polyfem_bunny.msh", 4670, 19379, {}, {}},
+        {"polyfem_sphere1K.msh", 1760, 6851, {}, {}},   {"sofa_cylinder.msh", 510, 2430, {"region_1"}, {}},
+        {"sofa_liver.msh", 181, 596, {"region_1"}, {}}, {"sofa_liver2.msh", 507, 1493, {"region_2"}, {"curve_1", "surface_1"}},
     };
     for (const Volume& volume : volumes) {
         SCOPED_TRACE(volume.file);
@@ -34,11 +34,12 @@ TEST(IoMeshFile, RealMeshesAreReadOrRefusedByName) {
         EXPECT_EQ(regions, volume.regions);
         EXPECT_EQ(groups, volume.groups);
     }
-    for (const char* file : {"libigl_bunny.off", "libigl_decimated-knight.off", "libigl_elephant.obj", "sofa_dragon.obj", "sofa_liver-smooth.obj",
-                             "sofa_liver.vtk", "sofa_pliers_binary.stl"}) {
+    for (const char* file : {"libigl_bunny.off", "libigl_decimated-knight.off", "libigl_elephant.obj", "sofa_dragon.obj",
+                             "sofa_liver-smooth.obj", "sofa_liver.vtk", "sofa_pliers_binary.stl"}) {
         SCOPED_TRACE(file);
         if (!std::filesystem::exists(folder / file)) continue;
-        expect_error(ErrorCode::surface_mesh, (folder / file).string(), {"surface mesh", "volume mesh is needed"}, [&] { read_mesh(folder / file); });
+        expect_error(ErrorCode::surface_mesh, (folder / file).string(), {"surface mesh", "volume mesh is needed"},
+                     [&] { read_mesh(folder / file); });
     }
 }
 
@@ -86,7 +87,8 @@ TEST(IoMeshFile, OtherVolumeFormatsAreRefusedByName) {
 
 TEST(IoMeshFile, UnreadableFilesSayWhy) {
     const test::TemporaryFolder folder;
-    expect_error(ErrorCode::file_unreadable, (folder / "none.msh").string(), {"cannot open", "No such file"}, [&] { read_mesh(folder / "none.msh"); });
+    expect_error(ErrorCode::file_unreadable, (folder / "none.msh").string(), {"cannot open", "No such file"},
+                 [&] { read_mesh(folder / "none.msh"); });
     expect_error(ErrorCode::file_unreadable, folder.path().string(), {"directory"}, [&] { read_mesh(folder.path()); });
 }
 
@@ -105,9 +107,11 @@ TEST(IoBinaryFile, WritesWholeFilesOrNone) {
     for (const auto& entry : std::filesystem::directory_iterator(folder.path())) files += entry.is_regular_file();
     EXPECT_EQ(files, 2u);  // no temporary file is left
 
-    expect_error(ErrorCode::file_unreadable, (folder / "none/a.bin").string(), {"No such file"}, [&] { write_binary_file(folder / "none/a.bin", bytes); });
+    expect_error(ErrorCode::file_unreadable, (folder / "none/a.bin").string(), {"No such file"},
+                 [&] { write_binary_file(folder / "none/a.bin", bytes); });
     expect_error(ErrorCode::file_unreadable, folder.path().string(), {"directory"}, [&] { write_binary_file(folder.path(), bytes); });
-    expect_error(ErrorCode::file_unreadable, (folder / "none.bin").string(), {"No such file"}, [&] { read_binary_file(folder / "none.bin"); });
+    expect_error(ErrorCode::file_unreadable, (folder / "none.bin").string(), {"No such file"},
+                 [&] { read_binary_file(folder / "none.bin"); });
 }
 
 TEST(IoBinaryFile, WritesThroughLinksAndIntoDevices) {

@@ -51,7 +51,8 @@ TEST(IoReport, OrderStatistics) {
 
 TEST(IoReport, HoldsEveryFieldOfTheFormat) {
     RunReport report;
-    for (int i = 1; i <= 1000; ++i) report.add(step(i, i % 5, 1e-6 * i, i == 500 ? StepFlag::iteration_cap : i == 700 ? StepFlag::newton_cap : StepFlag::none));
+    for (int i = 1; i <= 1000; ++i)
+        report.add(step(i, i % 5, 1e-6 * i, i == 500 ? StepFlag::iteration_cap : i == 700 ? StepFlag::newton_cap : StepFlag::none));
     const test::TemporaryFolder folder;
     report.write(folder / "r.json", example_summary());
     const auto json = nlohmann::json::parse(read_text_file(folder / "r.json"));

@@ -288,12 +288,9 @@ TEST(IoScene, WhatThisBuildCannotDoIsRefusedByItsKey) {
     refuse(with_key(R"("solver": {"operator": "matrix_free"})"), "/solver/operator", {"assembled"});
     refuse(with_key(R"("solver": {"step_budget_us": 10})"), "/solver/step_budget_us", {"step_budget_us"});
     refuse(with_key(R"("colliders": [{"plane": {"normal": [0, 1, 0], "offset_m": 0}}])"), "/colliders", {"colliders"});
-    for (const char* word : {"linear", "NeoHookean", "Ogden", "Costa"}) {
-        refuse(one_body(std::string(R"("material": {"law": ")") + word + R"(", "c1_pa": 1})"), "/bodies/0/material/law", {word, "corotational"});
-    }
-    for (const char* word : {"large", "svd"}) {
-        refuse(one_body(std::string(R"("material": {"rotation": ")") + word + "\"}"), "/bodies/0/material/rotation", {word, "polar"});
-    }
+    refuse(one_body(R"("material": {"law": "Costa", "a_pa": 1})"), "/bodies/0/material/law", {"Costa", "NeoHookean"});
+    refuse(one_body(R"("material": {"law": "NeoHookean", "fibre": [1, 0, 0]})"), "/bodies/0/material/fibre", {"fibre"});
+    refuse(one_body(R"("material": {"law": "NeoHookean"}, "regions": [{"all": true, "stiffness_factor": 2}])"), "/bodies/0/regions/0", {"hyperelastic"});
     refuse(one_body(R"("material": {"plastic_yield": 0.1})"), "/bodies/0/material/plastic_yield", {"plastic_yield"});
     refuse(one_body(R"("regions": [{"all": true, "material": {"law": "NeoHookean"}}])"), "/bodies/0/regions/0/material/law", {"law"});
     for (const char* key : {"pressure_pa", "moment_nm", "follower", "axis"}) {
@@ -301,6 +298,40 @@ TEST(IoScene, WhatThisBuildCannotDoIsRefusedByItsKey) {
     }
     refuse(R"({"supple_scene": 1, "bodies": [{"box": {"min_m": [0, 0, 0], "max_m": [1, 1, 1], "cells": [1, 1, 1], "elements": "hexes"}}]})",
            "/bodies/0/box/elements", {"tets"});
+}
+
+TEST(IoScene, EveryLawReadsItsParameters) {
+    const auto material = [](const std::string& json) { return body_of(parse(one_body("\"material\": " + json))).def.material; };
+    EXPECT_EQ(std::get<Linear>(material(R"({"law": "linear", "young_pa": 5, "poisson": 0.1})")).young_pa, 5);
+    EXPECT_EQ(std::get<Corotational>(material(R"({"rotation": "large"})")).rotation, Rotation::large);
+    EXPECT_EQ(std::get<Corotational>(material(R"({"rotation": "svd"})")).rotation, Rotation::svd);
+    EXPECT_EQ(std::get<NeoHookean>(material(R"({"law": "NeoHookean", "mu_pa": 3, "lambda_pa": 4})")).lambda_pa, 4);
+    EXPECT_NEAR(std::get<StableNeoHookean>(material(R"({"law": "StableNeoHookean", "young_pa": 2e5, "poisson": 0.4})")).mu_pa, 71428.571428571, 1e-6);
+    EXPECT_EQ(std::get<StVenantKirchhoff>(material(R"({"law": "StVenantKirchhoff", "mu_pa": 3})")).mu_pa, 3);
+    EXPECT_EQ(std::get<MooneyRivlin>(material(R"({"law": "MooneyRivlin", "c1_pa": 3, "c2_pa": -1, "bulk_pa": 9})")).c2_pa, -1);
+    EXPECT_EQ(std::get<ArrudaBoyce>(material(R"({"law": "ArrudaBoyce", "mu_pa": 3})")).mu_pa, 3);
+    EXPECT_EQ(std::get<VerondaWestman>(material(R"({"law": "VerondaWestman", "c2": 3})")).c2, 3);
+    const Ogden ogden = std::get<Ogden>(material(R"({"law": "Ogden", "terms": [{"mu_pa": 3, "alpha": 2}, {"mu_pa": -1, "alpha": -2}], "bulk_pa": 8})"));
+    ASSERT_EQ(ogden.terms.size(), 2u);
+    EXPECT_EQ(ogden.terms[1].alpha, -2);
+    EXPECT_EQ(ogden.bulk_pa, 8);
+
+    const auto refuse = [](const std::string& text, const std::string& where, const std::vector<std::string>& words) {
+        SCOPED_TRACE(text);
+        try {
+            parse(text);
+            ADD_FAILURE() << "accepted";
+        } catch (const Error& e) {
+            EXPECT_NE(e.where().find(where), std::string::npos) << e.what();
+            for (const std::string& word : words) EXPECT_NE(e.message().find(word), std::string::npos) << e.what();
+        }
+    };
+    const std::string b = "/bodies/0/material";
+    refuse(one_body(R"("material": {"law": "NeoHookean", "c1_pa": 3})"), b + "/c1_pa", {"unknown"});
+    refuse(one_body(R"("material": {"law": "NeoHookean", "mu_pa": 3, "poisson": 0.3})"), b, {"both"});
+    refuse(one_body(R"("material": {"law": "NeoHookean", "mu_pa": -3})"), b + ".mu_pa", {"-3", "above 0"});
+    refuse(one_body(R"("material": {"law": "Ogden", "terms": []})"), b + ".terms", {"at least one"});
+    refuse(one_body(R"("material": {"law": "linear", "rotation": "polar"})"), b + "/rotation", {"corotational"});
 }
 
 TEST(IoScene, MistakesInMeshesNameBothPlaces) {

@@ -14,7 +14,8 @@ namespace {
 using test::expect_error;
 
 TEST(IoText, VectorsComeBackBitForBit) {
-    std::vector<Vec3> vectors = {Vec3(0.1, 1.0 / 3, -0.0), Vec3(5e-324, 1.7976931348623157e308, -2.2250738585072014e-308), Vec3(1e22, 123456789.123456789, 1)};
+    std::vector<Vec3> vectors = {Vec3(0.1, 1.0 / 3, -0.0), Vec3(5e-324, 1.7976931348623157e308, -2.2250738585072014e-308),
+                                 Vec3(1e22, 123456789.123456789, 1)};
     std::mt19937_64 random(3);
     for (int i = 0; i < 2000; ++i) {
         Vec3 v;
@@ -30,7 +31,8 @@ TEST(IoText, VectorsComeBackBitForBit) {
     write_vectors(folder / "x.txt", vectors);
     const std::vector<Vec3> back = read_vectors(folder / "x.txt", vectors.size());
     ASSERT_EQ(back.size(), vectors.size());
-    for (std::size_t i = 0; i < back.size(); ++i) EXPECT_EQ(std::memcmp(back[i].data(), vectors[i].data(), 24), 0) << vectors[i].transpose();
+    for (std::size_t i = 0; i < back.size(); ++i)
+        EXPECT_EQ(std::memcmp(back[i].data(), vectors[i].data(), 24), 0) << vectors[i].transpose();
 }
 
 TEST(IoText, VectorsLookLikePrintf17g) {
@@ -93,7 +95,8 @@ TEST(IoText, NumbersInEveryFashion) {
     EXPECT_EQ(real("1e-400"), 0);
     EXPECT_EQ(real("-.5"), -0.5);
     EXPECT_EQ(real("5."), 5);
-    for (const char* bad : {"", "+", "-", ".", "e5", "1e", "1e400", "nan", "inf", "-inf", "0x10", "1,5", "1 2", "+-1", "1dd3", "1e5e5", "--1"}) {
+    for (const char* bad :
+         {"", "+", "-", ".", "e5", "1e", "1e400", "nan", "inf", "-inf", "0x10", "1,5", "1 2", "+-1", "1dd3", "1e5e5", "--1"}) {
         EXPECT_TRUE(std::isnan(real(bad))) << bad;
     }
 }

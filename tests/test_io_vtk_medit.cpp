@@ -10,7 +10,8 @@ using test::expect_error;
 using Ids = std::vector<std::int32_t>;
 
 const char* const kMedit =
-    "MeshVersionFormatted 2\nDimension\n3\n# a comment\nVertices\n5\n0 0 0 0\n1 0 0 7\n0 1 0 0 0 0 1 0\n1 1 1 7\n\nCorners 2\n1 2\nNormals 1 .5 1e-3 0\n"
+    "MeshVersionFormatted 2\nDimension\n3\n# a comment\nVertices\n5\n0 0 0 0\n1 0 0 7\n0 1 0 0 0 0 1 0\n1 1 1 7\n\nCorners 2\n1 2\nNormals "
+    "1 .5 1e-3 0\n"
     "Triangles 1\n1 2 4 3\nTetrahedra\n2\n1 2 3 4 6\n2 3 4 5 0\nPrisms 0\nEnd\n";
 
 const char* const kVtk =
@@ -19,17 +20,22 @@ const char* const kVtk =
     "CELL_DATA 3\nSCALARS a int 1\nLOOKUP_TABLE default\n1\n2\n3\n";
 
 const char* const kVtk5 =
-    "# vtk DataFile Version 5.1\na title\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 5 double\n0 0 0 1 0 0 0 1 0\n0 0 1 1 1 1\nMETADATA\nINFORMATION 0\n\n"
+    "# vtk DataFile Version 5.1\na title\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 5 double\n0 0 0 1 0 0 0 1 0\n0 0 1 1 1 "
+    "1\nMETADATA\nINFORMATION 0\n\n"
     "CELLS 3 8\nOFFSETS vtktypeint64\n0 4 8\nCONNECTIVITY vtktypeint64\n0 1 2 3\n1 2 3 4\nCELL_TYPES 2\n10\n10\n";
 
 const char* const kVtu =
     "<?xml version='1.0'?>\n<!-- a <comment> -->\n<VTKFile type=\"UnstructuredGrid\" byte_order=\"BigEndian\">\n<UnstructuredGrid>\n"
-    "<Piece NumberOfPoints=\"5\" NumberOfCells=\"2\">\n<PointData><DataArray type=\"Float32\" Name=\"a\" format=\"ascii\">1 2 3 4 5</DataArray></PointData>\n"
-    "<Points>\n<DataArray type=\"Float32\" NumberOfComponents=\"3\" format=\"ascii\">\n0 0 0 1 0 0 0 1 0\n0 0 1 1 1 1\n</DataArray>\n</Points>\n<Cells>\n"
+    "<Piece NumberOfPoints=\"5\" NumberOfCells=\"2\">\n<PointData><DataArray type=\"Float32\" Name=\"a\" format=\"ascii\">1 2 3 4 "
+    "5</DataArray></PointData>\n"
+    "<Points>\n<DataArray type=\"Float32\" NumberOfComponents=\"3\" format=\"ascii\">\n0 0 0 1 0 0 0 1 0\n0 0 1 1 1 "
+    "1\n</DataArray>\n</Points>\n<Cells>\n"
     "<DataArray type=\"Int32\" Name=\"connectivity\" format=\"ascii\">\n0 1 2 3\n1 2 3 4\n</DataArray>\n"
-    "<DataArray type='Int32' Name = 'offsets' format='ascii'>4 8</DataArray>\n<DataArray type=\"UInt8\" Name=\"types\" format=\"ascii\">10 10</DataArray>\n"
+    "<DataArray type='Int32' Name = 'offsets' format='ascii'>4 8</DataArray>\n<DataArray type=\"UInt8\" Name=\"types\" format=\"ascii\">10 "
+    "10</DataArray>\n"
     "</Cells>\n</Piece>\n"
-    "<Piece NumberOfPoints=\"4\" NumberOfCells=\"1\"><Points><DataArray format=\"ascii\">0 0 0 2 0 0 0 2 0 0 0 2</DataArray></Points><Cells>"
+    "<Piece NumberOfPoints=\"4\" NumberOfCells=\"1\"><Points><DataArray format=\"ascii\">0 0 0 2 0 0 0 2 0 0 0 "
+    "2</DataArray></Points><Cells>"
     "<DataArray Name=\"connectivity\" format=\"ascii\">0 1 2 3</DataArray><DataArray Name=\"offsets\" format=\"ascii\">4</DataArray>"
     "<DataArray Name=\"types\" format=\"ascii\">10</DataArray></Cells></Piece>\n"
     "<Piece NumberOfPoints=\"0\" NumberOfCells=\"0\"/>\n</UnstructuredGrid>\n</VTKFile>\n";
@@ -42,8 +48,8 @@ std::string replaced(std::string text, const std::string& from, const std::strin
 
 VolumeMesh parse(const std::string& text) { return parse_mesh(text, "m"); }
 
-void refuse(const char* text, const std::string& from, const std::string& to, const std::string& where, const std::vector<std::string>& words,
-            ErrorCode code = ErrorCode::parse) {
+void refuse(const char* text, const std::string& from, const std::string& to, const std::string& where,
+            const std::vector<std::string>& words, ErrorCode code = ErrorCode::parse) {
     SCOPED_TRACE(to);
     expect_error(code, where, words, [&] { parse(replaced(text, from, to)); });
 }
@@ -62,7 +68,8 @@ TEST(IoMedit, ReadsTetsReferencesAndSkipsTheRest) {
     EXPECT_EQ(mesh.groups[1].name, "surface_3");
     EXPECT_EQ(mesh.groups[1].vertices, (Ids{0, 1, 3}));
     const VolumeMesh hexes = parse(
-        "MeshVersionFormatted 1 Dimension 3 Vertices 8 0 0 0 0 1 0 0 0 1 1 0 0 0 1 0 0 0 0 1 0 1 0 1 0 1 1 1 0 0 1 1 0 Hexahedra 1 1 2 3 4 5 6 7 8 0 End");
+        "MeshVersionFormatted 1 Dimension 3 Vertices 8 0 0 0 0 1 0 0 0 1 1 0 0 0 1 0 0 0 0 1 0 1 0 1 0 1 1 1 0 0 1 1 0 Hexahedra 1 1 2 3 4 "
+        "5 6 7 8 0 End");
     EXPECT_EQ(hexes.hexes, (std::vector<Hex>{{0, 1, 2, 3, 4, 5, 6, 7}}));
 }
 
@@ -114,7 +121,8 @@ TEST(IoVtk, ReadsXmlUnstructuredGridsOfSeveralPieces) {
 }
 
 TEST(IoVtk, XmlErrorsNameTheLine) {
-    refuse(kVtu, "NumberOfComponents=\"3\" format=\"ascii\"", "NumberOfComponents=\"3\" format=\"binary\"", "m:8", {"binary", "ASCII"}, ErrorCode::unsupported);
+    refuse(kVtu, "NumberOfComponents=\"3\" format=\"ascii\"", "NumberOfComponents=\"3\" format=\"binary\"", "m:8", {"binary", "ASCII"},
+           ErrorCode::unsupported);
     refuse(kVtu, "\"UnstructuredGrid\"", "\"PolyData\"", "m", {"PolyData"}, ErrorCode::surface_mesh);
     refuse(kVtu, "\"UnstructuredGrid\"", "\"ImageData\"", "m:3", {"ImageData"}, ErrorCode::unsupported);
     refuse(kVtu, "1 2 3 4\n</", "1 2 3 9\n</", "m:16", {"point 9", "5"});
@@ -159,7 +167,8 @@ TEST(IoVtkMedit, RealMeshes) {
         const char* file;
         std::size_t vertices, tets;
     };
-    for (const Row& row : {Row{"libigl_hand.mesh", 7234, 29998}, Row{"libigl_octopus-low.mesh", 452, 1140}, Row{"sofa_raptorTetra_8418.vtu", 2996, 8418}}) {
+    for (const Row& row :
+         {Row{"libigl_hand.mesh", 7234, 29998}, Row{"libigl_octopus-low.mesh", 452, 1140}, Row{"sofa_raptorTetra_8418.vtu", 2996, 8418}}) {
         SCOPED_TRACE(row.file);
         if (!std::filesystem::exists(folder / row.file)) continue;
         const VolumeMesh mesh = read_mesh(folder / row.file);

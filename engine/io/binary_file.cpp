@@ -51,7 +51,8 @@ void write_all(const fs::path& target, const fs::path& named, std::span<const st
     errno = 0;
     File f(std::fopen(target.c_str(), "wb"));
     if (!f) fail(named, "cannot open the file for writing", errno);
-    const bool written = std::fwrite(bytes.data(), 1, bytes.size(), f.get()) == bytes.size() && std::fflush(f.get()) == 0;
+    const bool written =
+        (bytes.empty() || std::fwrite(bytes.data(), 1, bytes.size(), f.get()) == bytes.size()) && std::fflush(f.get()) == 0;
     const int write_error = errno;
     const bool closed = std::fclose(f.release()) == 0;
     if (!written || !closed) fail(named, "cannot write the file", written ? errno : write_error);

@@ -10,9 +10,9 @@ namespace supple::io {
 namespace {
 
 struct Section {
-    std::string_view name;            ///< without the dollar
-    const char* begin;                ///< behind the head line
-    const char* end;                  ///< start of the $End line
+    std::string_view name;  ///< without the dollar
+    const char* begin;      ///< behind the head line
+    const char* end;        ///< start of the $End line
 };
 
 /// Finds the line "$<closing>" from `from` on; end of the text if there is none.
@@ -38,7 +38,8 @@ std::vector<Section> find_sections(std::string_view text, TextScanner scanner) {
         const std::string_view title = scanner.word();
         if (title.size() < 2 || title[0] != '$') scanner.fail("a section such as $Nodes must begin here, found " + quoted(title), head);
         const std::string_view name = title.substr(1);
-        if (name.substr(0, 3) == "End" || name.substr(0, 3) == "END") scanner.fail(quoted(title) + " ends a section that was not begun", head);
+        if (name.substr(0, 3) == "End" || name.substr(0, 3) == "END")
+            scanner.fail(quoted(title) + " ends a section that was not begun", head);
         scanner.end_line(title);
         const bool version1 = name == "NOD" || name == "ELM";
         const std::string closing = (version1 ? "END" : "End") + std::string(name);
@@ -83,8 +84,9 @@ int read_format(TextScanner& scanner) {
     const double version = scanner.real("the version number");
     const std::int64_t file_type = scanner.integer("the file type (0 = ASCII, 1 = binary)");
     if (file_type == 1) {
-        scanner.fail("this Gmsh file is binary; only ASCII is read: save it again with Mesh.Binary = 0 (in Gmsh: File > Export, binary off)",
-                     line, ErrorCode::unsupported);
+        scanner.fail(
+            "this Gmsh file is binary; only ASCII is read: save it again with Mesh.Binary = 0 (in Gmsh: File > Export, binary off)", line,
+            ErrorCode::unsupported);
     }
     if (file_type != 0) scanner.fail("the file type must be 0 (ASCII) or 1 (binary), found " + std::to_string(file_type), line);
     if (version >= 2 && version < 3) {
@@ -95,7 +97,8 @@ int read_format(TextScanner& scanner) {
         scanner.integer("the data size");
         return 4;
     }
-    scanner.fail("Gmsh format version " + to_text(version) + " is not read; versions 1, 2.2 and 4.1 are: save it again with Mesh.MshFileVersion = 4.1",
+    scanner.fail("Gmsh format version " + to_text(version) +
+                     " is not read; versions 1, 2.2 and 4.1 are: save it again with Mesh.MshFileVersion = 4.1",
                  line, ErrorCode::unsupported);
 }
 
@@ -106,10 +109,12 @@ void read_names(TextScanner& scanner, MeshBuilder& builder) {
     for (std::int64_t i = 0; i < count; ++i) {
         scanner.skip_space();
         const int dimension = int(scanner.integer("the dimension of the physical group", 0, 3));
-        const std::int64_t tag = scanner.integer("the tag of the physical group", std::numeric_limits<int>::min() + 1, std::numeric_limits<int>::max());
+        const std::int64_t tag =
+            scanner.integer("the tag of the physical group", std::numeric_limits<int>::min() + 1, std::numeric_limits<int>::max());
         const char* line = scanner.position();
         std::string_view name = scanner.rest_of_line();
-        if (name.size() < 3 || name.front() != '"' || name.back() != '"') scanner.fail("the name of the physical group must stand in quotes", line);
+        if (name.size() < 3 || name.front() != '"' || name.back() != '"')
+            scanner.fail("the name of the physical group must stand in quotes", line);
         builder.name_group(dimension, std::abs(tag), std::string(name.substr(1, name.size() - 2)));
     }
 }
@@ -134,7 +139,8 @@ VolumeMesh parse_gmsh(std::string_view text, const std::string& name) {
     if (!nodes && !parametric) file.fail(version1 ? "section $NOD is missing" : "section $Nodes is missing");
     if (!elements) file.fail(version1 ? "section $ELM is missing" : "section $Elements is missing");
     if (const Section* partitioned = section("PartitionedEntities")) {
-        file.fail("this Gmsh file is partitioned; save it without partitions (in Gmsh: Mesh > Unpartition)", partitioned->begin - 1, ErrorCode::unsupported);
+        file.fail("this Gmsh file is partitioned; save it without partitions (in Gmsh: Mesh > Unpartition)", partitioned->begin - 1,
+                  ErrorCode::unsupported);
     }
 
     MeshBuilder builder;
@@ -145,11 +151,14 @@ VolumeMesh parse_gmsh(std::string_view text, const std::string& name) {
     }
     for (const Section* list : {nodes, parametric}) {
         if (!list) continue;
-        read_section(file, *list, [&](TextScanner& s) { version == 4 ? read_gmsh4_nodes(s, builder) : read_gmsh2_nodes(s, builder, list == parametric); });
+        read_section(file, *list, [&](TextScanner& s) {
+            version == 4 ? read_gmsh4_nodes(s, builder) : read_gmsh2_nodes(s, builder, list == parametric);
+        });
     }
     builder.close_vertices(file);
-    read_section(file, *elements,
-                 [&](TextScanner& s) { version == 4 ? read_gmsh4_elements(s, builder, entities) : read_gmsh2_elements(s, builder, version1); });
+    read_section(file, *elements, [&](TextScanner& s) {
+        version == 4 ? read_gmsh4_elements(s, builder, entities) : read_gmsh2_elements(s, builder, version1);
+    });
     return builder.finish(name);
 }
 

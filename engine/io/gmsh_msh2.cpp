@@ -21,7 +21,8 @@ std::int64_t read_count(TextScanner& scanner, const char* what) {
 void check_not_ended(TextScanner& scanner, const char* what, std::int64_t index, std::int64_t count) {
     scanner.skip_space();
     if (!scanner.at_end()) return;
-    scanner.fail(std::string(what) + " " + std::to_string(index + 1) + " of " + std::to_string(count) + " was expected here: the file is truncated, or the count is wrong");
+    scanner.fail(std::string(what) + " " + std::to_string(index + 1) + " of " + std::to_string(count) +
+                 " was expected here: the file is truncated, or the count is wrong");
 }
 
 }  // namespace

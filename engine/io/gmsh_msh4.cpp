@@ -29,7 +29,8 @@ Header read_header(TextScanner& scanner, const char* records) {
 void check_not_ended(TextScanner& scanner, const char* what, std::int64_t index, std::int64_t count) {
     scanner.skip_space();
     if (!scanner.at_end()) return;
-    scanner.fail(std::string(what) + " " + std::to_string(index + 1) + " of " + std::to_string(count) + " was expected here: the file is truncated, or the count is wrong");
+    scanner.fail(std::string(what) + " " + std::to_string(index + 1) + " of " + std::to_string(count) +
+                 " was expected here: the file is truncated, or the count is wrong");
 }
 
 /// The count of a block may not exceed what the section's head leaves.
@@ -37,8 +38,8 @@ std::int64_t read_block_count(TextScanner& scanner, const char* what, std::int64
     const char* position = scanner.position();
     const std::int64_t count = scanner.integer(what, 0, kBig);
     if (count > total - done) {
-        scanner.fail(std::string(what) + " is " + std::to_string(count) + ", but the head of the section announces " + std::to_string(total) + " in all, " +
-                         std::to_string(done) + " of them before this block",
+        scanner.fail(std::string(what) + " is " + std::to_string(count) + ", but the head of the section announces " +
+                         std::to_string(total) + " in all, " + std::to_string(done) + " of them before this block",
                      position);
     }
     scanner.end_line("the head of the block");
@@ -47,7 +48,8 @@ std::int64_t read_block_count(TextScanner& scanner, const char* what, std::int64
 
 void check_total(TextScanner& scanner, const char* what, std::int64_t done, std::int64_t total) {
     if (done == total) return;
-    scanner.fail("the blocks hold " + std::to_string(done) + " " + what + ", but the head of the section announces " + std::to_string(total));
+    scanner.fail("the blocks hold " + std::to_string(done) + " " + what + ", but the head of the section announces " +
+                 std::to_string(total));
 }
 
 }  // namespace

@@ -2,8 +2,8 @@
 #include <cmath>
 #include <set>
 
-#include "supple/io/gmsh.h"
 #include "supple/base/error.h"
+#include "supple/io/gmsh.h"
 
 namespace supple::io {
 
@@ -44,7 +44,8 @@ void check(const VolumeMesh& mesh) {
     }
     const std::size_t labels = mesh.element_region.size();
     if (labels != 0 && labels != mesh.element_count()) {
-        refuse("element_region", "has " + std::to_string(labels) + " entries for " + std::to_string(mesh.element_count()) + " elements; give one each, or none");
+        refuse("element_region", "has " + std::to_string(labels) + " entries for " + std::to_string(mesh.element_count()) +
+                                     " elements; give one each, or none");
     }
     for (std::int32_t r : mesh.element_region) {
         if (r < -1 || r >= std::int32_t(mesh.regions.size())) refuse("element_region", "region " + std::to_string(r) + " does not exist");

@@ -12,7 +12,9 @@ namespace {
 
 /// Edits (insert, delete, replace, swap neighbours) between two words, ignoring case.
 std::size_t edit_distance(std::string_view a, std::string_view b) {
-    const auto same = [](char x, char y) { return std::tolower(static_cast<unsigned char>(x)) == std::tolower(static_cast<unsigned char>(y)); };
+    const auto same = [](char x, char y) {
+        return std::tolower(static_cast<unsigned char>(x)) == std::tolower(static_cast<unsigned char>(y));
+    };
     std::vector<std::size_t> before, row(b.size() + 1), next(b.size() + 1);
     for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
     for (std::size_t i = 1; i <= a.size(); ++i) {
@@ -64,7 +66,8 @@ std::string plain_sentence(std::string_view what) {
     const std::size_t column = what.find("column ");
     if (column != std::string_view::npos) {
         const std::size_t colon = what.find(": ", column);
-        if (colon != std::string_view::npos) return std::string(what.substr(column, colon - column)) + ": " + std::string(what.substr(colon + 2));
+        if (colon != std::string_view::npos)
+            return std::string(what.substr(column, colon - column)) + ": " + std::string(what.substr(colon + 2));
     }
     const std::size_t bracket = what.find("] ");
     return std::string(bracket == std::string_view::npos ? what : what.substr(bracket + 2));
@@ -78,7 +81,8 @@ std::string nearest(std::string_view word, std::span<const std::string_view> kno
     std::size_t least = std::max<std::size_t>(2, word.size() / 2) + 1;
     for (std::string_view candidate : known) {
         std::size_t distance = edit_distance(word.substr(0, 100), candidate);
-        const bool holds = word.size() >= 3 && (candidate.find(word) != std::string_view::npos || word.find(candidate) != std::string_view::npos);
+        const bool holds =
+            word.size() >= 3 && (candidate.find(word) != std::string_view::npos || word.find(candidate) != std::string_view::npos);
         if (holds) distance = std::min<std::size_t>(distance, 2);
         if (distance < least) {
             least = distance;
@@ -109,7 +113,8 @@ nlohmann::json parse_json(std::string_view text, const std::string& name) {
         return true;
     };
     try {
-        json document = json::parse(CountingIterator{text.data(), &furthest}, CountingIterator{text.data() + text.size(), &furthest}, watch, true, true);
+        json document = json::parse(CountingIterator{text.data(), &furthest}, CountingIterator{text.data() + text.size(), &furthest}, watch,
+                                    true, true);
         if (!repeated_where.empty()) {
             throw Error(ErrorCode::parse, repeated_where, "the key \"" + repeated + "\" occurs twice in one object; keep one of them");
         }
@@ -146,7 +151,9 @@ void JsonNode::require_object(std::span<const std::string_view> known_keys) cons
     for (const auto& [key, value] : value_->items()) {
         if (std::find(known_keys.begin(), known_keys.end(), key) != known_keys.end()) continue;
         const std::string near = nearest(key, known_keys);
-        child(value, key).fail("unknown key \"" + key + "\"" + (near.empty() ? "" : "; did you mean \"" + near + "\"?") + " Known here: " + list_of(known_keys));
+        child(value, key)
+            .fail("unknown key \"" + key + "\"" + (near.empty() ? "" : "; did you mean \"" + near + "\"?") +
+                  " Known here: " + list_of(known_keys));
     }
 }
 
@@ -226,7 +233,8 @@ std::string JsonNode::choice(std::initializer_list<std::string_view> offered, st
     if (!value_->is_string()) fail_type("one of " + list_of(can));
     const std::string word = text();
     if (std::find(can.begin(), can.end(), word) != can.end()) return word;
-    if (std::find(planned.begin(), planned.end(), word) != planned.end()) unsupported(shown() + " is not available in this build; supported: " + list_of(can));
+    if (std::find(planned.begin(), planned.end(), word) != planned.end())
+        unsupported(shown() + " is not available in this build; supported: " + list_of(can));
     std::vector<std::string_view> all(can.begin(), can.end());
     all.insert(all.end(), planned.begin(), planned.end());
     const std::string near = nearest(word, all);

@@ -31,7 +31,7 @@ public:
         require_object(std::span<const std::string_view>(known_keys.begin(), known_keys.size()));
     }
     bool has(std::string_view key) const { return value_->is_object() && value_->contains(std::string(key)); }
-    JsonNode at(std::string_view key) const;                     ///< @error if it is missing
+    JsonNode at(std::string_view key) const;                        ///< @error if it is missing
     JsonNode at(std::string_view key, std::string_view fix) const;  ///< the same with a sentence on what to write
 
     // -- arrays -------------------------------------------------------------------------------------
@@ -40,25 +40,25 @@ public:
     bool is_string() const { return value_->is_string(); }
     bool is_number() const { return value_->is_number(); }
     std::size_t size() const { return value_->size(); }
-    std::vector<JsonNode> items() const;                         ///< @error unless it is an array
+    std::vector<JsonNode> items() const;  ///< @error unless it is an array
     JsonNode item(std::size_t index) const;
 
     // -- values: all errors name the value, what is legal and its pointer ------------------------------
-    double number() const;                                       ///< finite
-    double number(double low, double high) const;                ///< in [low, high]
-    double number_above(double low, double high) const;          ///< in (low, high]
-    double number_between(double low, double high) const;        ///< in (low, high)
+    double number() const;                                 ///< finite
+    double number(double low, double high) const;          ///< in [low, high]
+    double number_above(double low, double high) const;    ///< in (low, high]
+    double number_between(double low, double high) const;  ///< in (low, high)
     std::int64_t integer(std::int64_t low, std::int64_t high) const;
     bool boolean() const;
     std::string text() const;
     Vec3 vec3() const;
-    Vec3 vec3(double most) const;                                ///< each component in [-most, most]
+    Vec3 vec3(double most) const;  ///< each component in [-most, most]
     /// One of `offered`; one of `planned` is Error(unsupported); anything else names the nearest.
     std::string choice(std::initializer_list<std::string_view> offered, std::initializer_list<std::string_view> planned = {}) const;
 
     const std::string& pointer() const { return pointer_; }
     std::string where() const { return file_ + ":" + (pointer_.empty() ? "/" : pointer_); }
-    std::string shown() const;                                   ///< the value, shortened, for messages
+    std::string shown() const;  ///< the value, shortened, for messages
     [[noreturn]] void fail(const std::string& message, ErrorCode code = ErrorCode::parse) const;
     [[noreturn]] void unsupported(const std::string& message) const { fail(message, ErrorCode::unsupported); }
 

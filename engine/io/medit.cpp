@@ -25,8 +25,8 @@ constexpr Section kElementSections[] = {
 };
 
 /// Sections whose elements fill a volume that would be missing without them.
-constexpr const char* kOtherVolumes[] = {"Prisms",       "Pentahedra",   "Pyramids",     "TetrahedraP2", "TetrahedraP3", "TetrahedraP4",
-                                         "HexahedraQ2",  "HexahedraQ3",  "HexahedraQ4",  "PrismsP2",     "PyramidsP2",   "Polyhedra"};
+constexpr const char* kOtherVolumes[] = {"Prisms",      "Pentahedra",  "Pyramids",    "TetrahedraP2", "TetrahedraP3", "TetrahedraP4",
+                                         "HexahedraQ2", "HexahedraQ3", "HexahedraQ4", "PrismsP2",     "PyramidsP2",   "Polyhedra"};
 
 /// Free format: line ends mean nothing, # begins a comment.
 void skip(TextScanner& scanner) {
@@ -97,7 +97,9 @@ VolumeMesh parse_medit(std::string_view text, const std::string& name) {
         const char* position = scanner.position();
         const std::string_view keyword = scanner.word();
         if (!std::isalpha(static_cast<unsigned char>(keyword.front()))) {
-            scanner.fail("a section such as Vertices or Tetrahedra must begin here, found " + quoted(keyword) + "; the count before it may be wrong", position);
+            scanner.fail(
+                "a section such as Vertices or Tetrahedra must begin here, found " + quoted(keyword) + "; the count before it may be wrong",
+                position);
         }
         if (keyword == "End") break;
         if (keyword == "Dimension") {
@@ -125,7 +127,8 @@ VolumeMesh parse_medit(std::string_view text, const std::string& name) {
         if (known) continue;
         for (const char* other : kOtherVolumes) {
             if (keyword == other && next_integer(scanner, "the number of elements", 0, kBig) > 0) {
-                scanner.fail(quoted(keyword) + " cannot be simulated; mesh the part with linear tetrahedra or hexahedra", position, ErrorCode::unsupported);
+                scanner.fail(quoted(keyword) + " cannot be simulated; mesh the part with linear tetrahedra or hexahedra", position,
+                             ErrorCode::unsupported);
             }
         }
         skip_numbers(scanner);

@@ -79,7 +79,8 @@ std::int32_t MeshBuilder::vertex(std::int64_t id) const {
         const std::uint64_t offset = std::uint64_t(id) - std::uint64_t(first_id_);
         return offset < dense_.size() ? dense_[std::size_t(offset)] : -1;
     }
-    const auto found = std::lower_bound(sparse_.begin(), sparse_.end(), id, [](const auto& entry, std::int64_t value) { return entry.first < value; });
+    const auto found =
+        std::lower_bound(sparse_.begin(), sparse_.end(), id, [](const auto& entry, std::int64_t value) { return entry.first < value; });
     return found != sparse_.end() && found->first == id ? found->second : -1;
 }
 

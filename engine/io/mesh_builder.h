@@ -53,8 +53,8 @@ private:
         int dimension;
         std::int64_t tag;
         std::string name;
-        bool overlaps = false;                ///< a volume group that holds elements whose region is another one
-        std::vector<std::int32_t> vertices;   ///< as met; sorted at the end
+        bool overlaps = false;               ///< a volume group that holds elements whose region is another one
+        std::vector<std::int32_t> vertices;  ///< as met; sorted at the end
     };
 
     std::int32_t vertex(std::int64_t id) const;  ///< -1 if unknown
@@ -74,8 +74,8 @@ private:
     std::vector<std::int64_t> ids_;
     std::vector<const char*> positions_;
     std::int64_t first_id_ = 0;
-    std::vector<std::int32_t> dense_;                                  ///< id - first_id_ -> vertex
-    std::vector<std::pair<std::int64_t, std::int32_t>> sparse_;        ///< sorted by id, where ids are far apart
+    std::vector<std::int32_t> dense_;                            ///< id - first_id_ -> vertex
+    std::vector<std::pair<std::int64_t, std::int32_t>> sparse_;  ///< sorted by id, where ids are far apart
 };
 
 }  // namespace supple::io

@@ -12,8 +12,9 @@ namespace supple::io {
 
 Error surface_error(const std::string& where, const std::string& holds) {
     return Error(ErrorCode::surface_mesh, where,
-                 "this is a surface mesh (" + holds + ", no tetrahedra or hexahedra), but a volume mesh is needed; fill the closed surface with "
-                 "tetrahedra first, e.g. with Gmsh, TetGen or fTetWild, and save it as Gmsh .msh");
+                 "this is a surface mesh (" + holds +
+                     ", no tetrahedra or hexahedra), but a volume mesh is needed; fill the closed surface with "
+                     "tetrahedra first, e.g. with Gmsh, TetGen or fTetWild, and save it as Gmsh .msh");
 }
 
 VolumeMesh parse_mesh(std::string_view bytes, const std::string& name) {
@@ -36,7 +37,9 @@ VolumeMesh parse_mesh(std::string_view bytes, const std::string& name) {
         case MeshFormat::Kind::unknown:
             break;
     }
-    throw Error(ErrorCode::unsupported, name + ":1", "the format is not recognised; readable are meshes of tetrahedra in Gmsh 1, 2.2 and 4.1, Medit, VTK legacy and VTU files, all as ASCII");
+    throw Error(ErrorCode::unsupported, name + ":1",
+                "the format is not recognised; readable are meshes of tetrahedra in Gmsh 1, 2.2 and 4.1, Medit, VTK legacy and VTU files, "
+                "all as ASCII");
 }
 
 VolumeMesh read_mesh(const std::filesystem::path& file) { return parse_mesh(read_text_file(file), file.string()); }

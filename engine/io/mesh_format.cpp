@@ -46,7 +46,8 @@ std::string_view first_word(std::string_view bytes) {
     return {};
 }
 
-const char* const kConvert = "convert it to Gmsh 2.2 or 4.1 ASCII first, e.g. with meshio (meshio convert IN OUT.msh --output-format gmsh22 --ascii)";
+const char* const kConvert =
+    "convert it to Gmsh 2.2 or 4.1 ASCII first, e.g. with meshio (meshio convert IN OUT.msh --output-format gmsh22 --ascii)";
 
 MeshFormat from_content(std::string_view bytes) {
     if (starts_with(bytes, "\x1f\x8b") || starts_with(bytes, "PK\x03\x04")) return {Kind::volume, "a compressed file", "unpack it first"};
@@ -69,7 +70,8 @@ MeshFormat from_content(std::string_view bytes) {
     if (word == "solid") return {Kind::surface, "an STL file", ""};
     if (is_one_of(word, {"v", "vn", "vt", "f", "o", "g", "s", "mtllib", "usemtl"})) return {Kind::surface, "a Wavefront OBJ file", ""};
     const std::string keyword = lower(word.substr(0, word.find(',')));
-    if (is_one_of(keyword, {"*vertices", "*elements", "*material", "*set", "*region", "*include"})) return {Kind::volume, "a Vega file", kConvert};
+    if (is_one_of(keyword, {"*vertices", "*elements", "*material", "*set", "*region", "*include"}))
+        return {Kind::volume, "a Vega file", kConvert};
     if (is_one_of(keyword, {"*heading", "*node", "*part", "*preprint", "*element"})) return {Kind::volume, "an Abaqus file", kConvert};
     if (word.front() == '(') return {Kind::volume, "a Fluent file", kConvert};
     return {};
@@ -83,17 +85,38 @@ MeshFormat from_ending(const std::filesystem::path& file) {
         const char* name;
     };
     static constexpr Row kRows[] = {
-        {".obj", Kind::surface, "a Wavefront OBJ file"}, {".stl", Kind::surface, "an STL file"},      {".off", Kind::surface, "an OFF file"},
-        {".ply", Kind::surface, "a PLY file"},           {".gltf", Kind::surface, "a glTF file"},     {".glb", Kind::surface, "a binary glTF file"},
-        {".fbx", Kind::surface, "an FBX file"},          {".dae", Kind::surface, "a Collada file"},   {".3ds", Kind::surface, "a 3DS file"},
-        {".3mf", Kind::surface, "a 3MF file"},           {".vtp", Kind::surface, "a VTK PolyData file"}, {".poly", Kind::surface, "a TetGen surface file"},
-        {".smesh", Kind::surface, "a TetGen surface file"}, {".node", Kind::volume, "a TetGen file"}, {".ele", Kind::volume, "a TetGen file"},
-        {".face", Kind::volume, "a TetGen file"},        {".neigh", Kind::volume, "a TetGen file"},   {".veg", Kind::volume, "a Vega file"},
-        {".inp", Kind::volume, "an Abaqus file"},        {".bdf", Kind::volume, "a Nastran file"},    {".nas", Kind::volume, "a Nastran file"},
-        {".fem", Kind::volume, "a Nastran file"},        {".exo", Kind::volume, "an Exodus file"},    {".meshb", Kind::volume, "a binary Medit file"},
-        {".med", Kind::volume, "a MED file"},            {".cgns", Kind::volume, "a CGNS file"},      {".xdmf", Kind::volume, "an XDMF file"},
-        {".cdb", Kind::volume, "an Ansys file"},         {".unv", Kind::volume, "an I-deas universal file"}, {".feb", Kind::volume, "a FEBio file"},
-        {".vol", Kind::volume, "a Netgen file"},         {".usd", Kind::surface, "a USD file"},
+        {".obj", Kind::surface, "a Wavefront OBJ file"},
+        {".stl", Kind::surface, "an STL file"},
+        {".off", Kind::surface, "an OFF file"},
+        {".ply", Kind::surface, "a PLY file"},
+        {".gltf", Kind::surface, "a glTF file"},
+        {".glb", Kind::surface, "a binary glTF file"},
+        {".fbx", Kind::surface, "an FBX file"},
+        {".dae", Kind::surface, "a Collada file"},
+        {".3ds", Kind::surface, "a 3DS file"},
+        {".3mf", Kind::surface, "a 3MF file"},
+        {".vtp", Kind::surface, "a VTK PolyData file"},
+        {".poly", Kind::surface, "a TetGen surface file"},
+        {".smesh", Kind::surface, "a TetGen surface file"},
+        {".node", Kind::volume, "a TetGen file"},
+        {".ele", Kind::volume, "a TetGen file"},
+        {".face", Kind::volume, "a TetGen file"},
+        {".neigh", Kind::volume, "a TetGen file"},
+        {".veg", Kind::volume, "a Vega file"},
+        {".inp", Kind::volume, "an Abaqus file"},
+        {".bdf", Kind::volume, "a Nastran file"},
+        {".nas", Kind::volume, "a Nastran file"},
+        {".fem", Kind::volume, "a Nastran file"},
+        {".exo", Kind::volume, "an Exodus file"},
+        {".meshb", Kind::volume, "a binary Medit file"},
+        {".med", Kind::volume, "a MED file"},
+        {".cgns", Kind::volume, "a CGNS file"},
+        {".xdmf", Kind::volume, "an XDMF file"},
+        {".cdb", Kind::volume, "an Ansys file"},
+        {".unv", Kind::volume, "an I-deas universal file"},
+        {".feb", Kind::volume, "a FEBio file"},
+        {".vol", Kind::volume, "a Netgen file"},
+        {".usd", Kind::surface, "a USD file"},
     };
     for (const Row& row : kRows) {
         if (ending == row.ending) return {row.kind, row.name, row.kind == Kind::volume ? kConvert : ""};

@@ -12,8 +12,8 @@ struct MeshFormat {
         medit,
         vtk_legacy,
         vtk_xml,
-        surface,   ///< known, holds surfaces only
-        volume,    ///< known, may hold volumes, is not read
+        surface,  ///< known, holds surfaces only
+        volume,   ///< known, may hold volumes, is not read
         unknown,
     };
     Kind kind = Kind::unknown;

@@ -12,9 +12,9 @@ namespace supple::io {
 /// What a report says beside the steps.
 struct RunSummary {
     double time_step_s = 0;
-    int threads = 0;               ///< that took part, not 0 for "all"
-    std::string isa;               ///< "avx2", ...: kernels that ran
-    std::string precision;         ///< "single" or "double"
+    int threads = 0;        ///< that took part, not 0 for "all"
+    std::string isa;        ///< "avx2", ...: kernels that ran
+    std::string precision;  ///< "single" or "double"
     std::size_t vertices = 0, elements = 0, bodies = 0;
     std::uint64_t state_hash = 0;
     Energy energy;
@@ -36,9 +36,10 @@ public:
     double median_step_ms() const;
 
     /// JSON, keys: steps, time_step_s, threads, isa, precision, bodies, vertices, elements, step_ms {median, p99, p999, max},
-    /// stages_ms {stage: median}, cg_iterations {mean, max} (per step), cg_relative_residual {median, max}, flags [names], state_hash (16 hexadecimal
-    /// digits), energy_j {kinetic, elastic, gravity}, reaction_n [3], contact_force_n [3] (zero: bodies of this version touch nothing).
-    /// p99 and p999 are nearest ranks: the least time that 99 % (99.9 %) of the steps do not exceed. Without a step all numbers are 0.
+    /// stages_ms {stage: median}, cg_iterations {mean, max} (per step), cg_relative_residual {median, max}, flags [names], state_hash (16
+    /// hexadecimal digits), energy_j {kinetic, elastic, gravity}, reaction_n [3], contact_force_n [3] (zero: bodies of this version touch
+    /// nothing). p99 and p999 are nearest ranks: the least time that 99 % (99.9 %) of the steps do not exceed. Without a step all numbers
+    /// are 0.
     std::string to_json(const RunSummary& summary) const;
     void write(const std::filesystem::path& file, const RunSummary& summary) const;
 

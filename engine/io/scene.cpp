@@ -20,7 +20,8 @@ Scene parse_scene(const std::string& text, const std::filesystem::path& folder, 
     const JsonNode root(document, name);
     root.require_object({"supple_scene", "time_step_s", "gravity_m_s2", "threads", "solver", "bodies", "colliders", "camera"});
     const JsonNode version = root.at("supple_scene", "a scene file begins with \"supple_scene\": 1");
-    if (version.number() != 1) version.unsupported("version " + version.shown() + " of the scene format is not read; this build reads version 1");
+    if (version.number() != 1)
+        version.unsupported("version " + version.shown() + " of the scene format is not read; this build reads version 1");
 
     Scene scene;
     if (root.has("time_step_s")) scene.world.time_step_s = root.at("time_step_s").number_above(0, 1);

@@ -14,7 +14,7 @@ struct SceneCamera {
 };
 
 struct SceneBody {
-    BodyDef def;                         ///< shape is built; bodies with the same mesh file and scale share it
+    BodyDef def;  ///< shape is built; bodies with the same mesh file and scale share it
     struct Support {
         Selection where;
         Axes axes;
@@ -31,30 +31,32 @@ struct Scene {
     std::optional<SceneCamera> camera;
 };
 
-/// Reads a scene file: JSON, // and /* */ comments allowed; mesh paths are relative to it. Keys (defaults are those of WorldDef, SolverDef, BodyDef):
+/// Reads a scene file: JSON, // and /* */ comments allowed; mesh paths are relative to it. Keys (defaults are those of WorldDef, SolverDef,
+/// BodyDef):
 ///
 ///   supple_scene: 1 (required)   time_step_s   gravity_m_s2   threads
 ///   solver   {integrator, newton_iterations, newton_tolerance, cg_relative_tolerance, cg_max_iterations, preconditioner, precision,
 ///             linearise_at, tangent, operator, rayleigh_mass_1_s, rayleigh_stiffness_s}
 ///   camera   {eye_m, target_m, fov_deg}
-///   bodies   [{name, mesh: "file" or box: {min_m, max_m, cells: [nx, ny, nz], elements: "tets"}, scale, translation_m, velocity_m_s, density_kg_m3,
+///   bodies   [{name, mesh: "file" or box: {min_m, max_m, cells: [nx, ny, nz], elements: "tets"}, scale, translation_m, velocity_m_s,
+///   density_kg_m3,
 ///             material {law, rotation, young_pa, poisson}, regions [{<selection>, material {young_pa, poisson}, stiffness_factor}],
 ///             fixed [{<selection>, axes}], prescribed [{<selection>, axes, displacement_m | velocity_m_s | affine, times_s}],
 ///             loads [{<selection>, force_n | force_per_vertex_n | traction_pa | body_force_n_m3, times_s}]}]
 ///
 /// <selection> is one of "box": {min_m, max_m}, "sphere": {centre_m, radius_m}, "vertices": [ids from 0], "group": "name", "all": true, or
-/// "selection": one of these or "all"; an entry of `fixed` may be the word "all" alone. Boxes and spheres are closed and look at the scaled rest
-/// shape, before translation_m. A selection that selects nothing is an error.
+/// "selection": one of these or "all"; an entry of `fixed` may be the word "all" alone. Boxes and spheres are closed and look at the scaled
+/// rest shape, before translation_m. A selection that selects nothing is an error.
 ///
 /// young_pa and poisson may be lists with one number per element, in the order of the mesh (tets, then hexes). Regions are applied in their
 /// order; stiffness_factor multiplies the modulus that the element has by then.
 ///
-/// times_s: without it the value is constant. With n times and a list of n values the value is linear between them, constant before the first
-/// and after the last. With two times [t0, t1] and a single value it ramps from zero (for `affine`: from the identity) at t0 to the value at t1.
-/// affine: three rows of four numbers [A | t]; position = A X + t of the rest position X.
+/// times_s: without it the value is constant. With n times and a list of n values the value is linear between them, constant before the
+/// first and after the last. With two times [t0, t1] and a single value it ramps from zero (for `affine`: from the identity) at t0 to the
+/// value at t1. affine: three rows of four numbers [A | t]; position = A X + t of the rest position X.
 ///
-/// Keys and words of the scene format that this build does not do (other laws, integrators, colliders, pressure, hexahedra, ...) are refused
-/// with Error(unsupported), never ignored.
+/// Keys and words of the scene format that this build does not do (other laws, integrators, colliders, pressure, hexahedra, ...) are
+/// refused with Error(unsupported), never ignored.
 /// @error Error(parse) "file:line" for syntax, "file:/json/pointer" for meaning; an unknown key names the nearest known one
 Scene read_scene(const std::filesystem::path& file);
 

@@ -52,7 +52,8 @@ std::shared_ptr<const BodyTemplate> read_shape(const JsonNode& node, double scal
     auto& shape = context.shapes[{file.lexically_normal().string(), scale}];
     if (shape) return shape;
     VolumeMesh mesh = at_pointer(path, [&] { return read_mesh(file); });
-    if (!mesh.hexes.empty()) path.unsupported(std::string(kNoHexes) + " (" + file.string() + " has " + std::to_string(mesh.hexes.size()) + ")");
+    if (!mesh.hexes.empty())
+        path.unsupported(std::string(kNoHexes) + " (" + file.string() + " has " + std::to_string(mesh.hexes.size()) + ")");
     shape = at_pointer(path, [&] { return BodyTemplate::build(std::move(mesh), scale); });
     return shape;
 }
@@ -64,14 +65,15 @@ InsideBox read_box(const JsonNode& node, bool may_be_flat) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
         const double low = box.min_m[Eigen::Index(axis)], high = box.max_m[Eigen::Index(axis)];
         if (low < high || (may_be_flat && low == high)) continue;
-        node.at("max_m").item(axis).fail(to_text(high) + " is not above min_m (" + to_text(low) + ") in " + "xyz"[axis] + "; exchange or correct them");
+        node.at("max_m").item(axis).fail(to_text(high) + " is not above min_m (" + to_text(low) + ") in " + "xyz"[axis] +
+                                         "; exchange or correct them");
     }
     return box;
 }
 
 SceneBody read_body(const JsonNode& node, SceneContext& context) {
-    node.require_object({"name", "mesh", "box", "scale", "translation_m", "velocity_m_s", "density_kg_m3", "material", "regions", "fixed", "prescribed",
-                         "loads"});
+    node.require_object({"name", "mesh", "box", "scale", "translation_m", "velocity_m_s", "density_kg_m3", "material", "regions", "fixed",
+                         "prescribed", "loads"});
     SceneBody body;
     BodyDef& def = body.def;
     if (node.has("name")) def.name = node.at("name").text();

@@ -91,14 +91,17 @@ Timeline<typename Value::Type> read_timeline(const JsonNode& entry, std::string_
     const JsonNode value = entry.at(key);
     Timeline<typename Value::Type> timeline;
     if (!entry.has("times_s")) {
-        if (Value::is_list(value)) value.fail("is a list of values, but \"times_s\" is missing; give one time per value, or one value " + std::string(Value::kSingle));
+        if (Value::is_list(value))
+            value.fail("is a list of values, but \"times_s\" is missing; give one time per value, or one value " +
+                       std::string(Value::kSingle));
         timeline.values.push_back(Value::read(value));
         return timeline;
     }
     const JsonNode times = entry.at("times_s");
     for (const JsonNode& time : times.items()) {
         const double t = time.number();
-        if (!timeline.times_s.empty() && t <= timeline.times_s.back()) time.fail(time.shown() + " s does not come after the time before it; times must ascend");
+        if (!timeline.times_s.empty() && t <= timeline.times_s.back())
+            time.fail(time.shown() + " s does not come after the time before it; times must ascend");
         timeline.times_s.push_back(t);
     }
     if (timeline.times_s.empty()) times.fail("is empty; give at least one time, or leave the key out for a constant value");
@@ -111,7 +114,8 @@ Timeline<typename Value::Type> read_timeline(const JsonNode& entry, std::string_
         return timeline;
     }
     if (value.size() != timeline.times_s.size()) {
-        value.fail("has " + std::to_string(value.size()) + " values for " + std::to_string(timeline.times_s.size()) + " times; give one value per time");
+        value.fail("has " + std::to_string(value.size()) + " values for " + std::to_string(timeline.times_s.size()) +
+                   " times; give one value per time");
     }
     for (std::size_t i = 0; i < value.size(); ++i) timeline.values.push_back(Value::read(value.item(i)));
     return timeline;
@@ -146,7 +150,8 @@ Load read_load(const JsonNode& node, const BodyTemplate& shape) {
                  "is not available in this build; supported are force_n, force_per_vertex_n, traction_pa and body_force_n_m3");
     Load load;
     static constexpr std::string_view kKinds[] = {"force_n", "force_per_vertex_n", "traction_pa", "body_force_n_m3"};
-    const std::string_view key = only_key(node, kKinds, "a load needs one of \"force_n\", \"force_per_vertex_n\", \"traction_pa\" and \"body_force_n_m3\"");
+    const std::string_view key =
+        only_key(node, kKinds, "a load needs one of \"force_n\", \"force_per_vertex_n\", \"traction_pa\" and \"body_force_n_m3\"");
     load.where = read_selection(node, shape.mesh());
     load.kind = key == "force_n"              ? LoadKind::total_force
                 : key == "force_per_vertex_n" ? LoadKind::force_per_vertex
@@ -177,9 +182,11 @@ Selection read_selection(const JsonNode& node, const VolumeMesh& mesh) {
         return selection;
     }
     if (!node.is_object()) {
-        node.fail("must be \"all\" or an object with one of \"box\", \"sphere\", \"vertices\", \"group\" and \"all\", found " + node.shown());
+        node.fail("must be \"all\" or an object with one of \"box\", \"sphere\", \"vertices\", \"group\" and \"all\", found " +
+                  node.shown());
     }
-    const std::string_view key = only_key(node, kSelectionKeys, "a selection is missing; give one of \"box\", \"sphere\", \"vertices\", \"group\" and \"all\": true");
+    const std::string_view key = only_key(
+        node, kSelectionKeys, "a selection is missing; give one of \"box\", \"sphere\", \"vertices\", \"group\" and \"all\": true");
     selection = read_selection_key(node, key, mesh);
     std::vector<std::int32_t> vertices;
     try {

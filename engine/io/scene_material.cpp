@@ -1,12 +1,11 @@
+#include "supple/io/material_keys.h"
 #include "supple/io/scene_parts.h"
 
 namespace supple::io {
 
 namespace {
 
-constexpr double kMostYoung = 1e15;
-
-double read_young(const JsonNode& node) { return node.number_above(0, kMostYoung); }
+double read_young(const JsonNode& node) { return node.number_above(0, kMostPascal); }
 double read_poisson(const JsonNode& node) { return node.number_between(-1, 0.5); }
 
 using ReadNumber = double (*)(const JsonNode&);
@@ -33,21 +32,39 @@ void require_material_keys(const JsonNode& node) {
                  {"integration", "plastic_yield", "plastic_max", "plastic_creep_1_s", "fibre", "sheet", "fibre_stiffness_pa", "fibre_exponent",
                   "sheet_stiffness_pa", "sheet_exponent", "matrix_regularization", "mu_pa", "lambda_pa", "bulk_pa", "c1_pa", "c2_pa", "c2", "terms",
                   "a_pa", "b"},
-                 "is not available in this build; a corotational material has law, rotation, young_pa and poisson");
+                 "is not available for this law in this build; linear and corotational materials have law, rotation, young_pa and poisson");
+}
+
+Rotation read_rotation(const JsonNode& node) {
+    const std::string word = node.choice({"polar", "large", "svd"});
+    return word == "large" ? Rotation::large : word == "svd" ? Rotation::svd : Rotation::polar;
 }
 
 void read_material(const JsonNode& node, BodyDef& def) {
     // The law comes first: the keys of one that is not there yet must not be called unknown.
-    if (node.has("law")) {
-        node.at("law").choice({"corotational"}, {"linear", "StVenantKirchhoff", "NeoHookean", "StableNeoHookean", "MooneyRivlin", "ArrudaBoyce",
-                                                 "VerondaWestman", "Ogden", "Costa"});
+    const std::string name = node.has("law") ? node.at("law").choice({"corotational", "linear", "StVenantKirchhoff", "NeoHookean", "StableNeoHookean",
+                                                                      "MooneyRivlin", "ArrudaBoyce", "VerondaWestman", "Ogden"},
+                                                                     {"Costa"}) : "corotational";
+    if (name != "corotational" && name != "linear") {
+        def.material = read_hyperelastic(node, name);
+        return;
     }
     require_material_keys(node);
-    Corotational law;
-    if (node.has("rotation")) node.at("rotation").choice({"polar"}, {"large", "svd"});
-    if (node.has("young_pa")) read_constant_or_array(node.at("young_pa"), *def.shape, read_young, law.young_pa, def.young_pa_per_element);
-    if (node.has("poisson")) read_constant_or_array(node.at("poisson"), *def.shape, read_poisson, law.poisson, def.poisson_per_element);
-    def.material = law;
+    Linear elastic;
+    if (node.has("young_pa")) read_constant_or_array(node.at("young_pa"), *def.shape, read_young, elastic.young_pa, def.young_pa_per_element);
+    if (node.has("poisson")) read_constant_or_array(node.at("poisson"), *def.shape, read_poisson, elastic.poisson, def.poisson_per_element);
+    def.material = elastic;
+    if (name == "linear") {
+        if (node.has("rotation")) node.at("rotation").fail("the linear law has no rotation: it is for small displacements; use \"corotational\"");
+        return;
+    }
+    def.material = Corotational{node.has("rotation") ? read_rotation(node.at("rotation")) : Rotation::polar, elastic.young_pa, elastic.poisson};
+}
+
+/// young_pa and poisson of a linear or corotational material.
+Linear elastic_of(const Material& material) {
+    if (const auto* corotational = std::get_if<Corotational>(&material)) return {corotational->young_pa, corotational->poisson};
+    return std::get<Linear>(material);
 }
 
 std::vector<double>& filled(std::vector<double>& per_element, std::size_t elements, double constant) {
@@ -61,7 +78,8 @@ void read_region(const JsonNode& node, BodyDef& def) {
     const std::vector<std::int32_t> elements = select_elements(mesh, read_selection(node, mesh));
     if (elements.empty()) node.fail("the region holds no element: an element belongs to it when all its vertices are selected; make the selection larger");
     if (!node.has("material") && !node.has("stiffness_factor")) node.fail("the region changes nothing; give \"material\" or \"stiffness_factor\"");
-    const Corotational& law = std::get<Corotational>(def.material);
+    if (is_hyperelastic(def.material)) node.unsupported("regions change young_pa and poisson of linear and corotational bodies; in this build a hyperelastic body is of one material");
+    const Linear law = elastic_of(def.material);
     if (node.has("material")) {
         const JsonNode material = node.at("material");
         if (material.has("law") || material.has("rotation")) {
@@ -79,11 +97,11 @@ void read_region(const JsonNode& node, BodyDef& def) {
     }
     if (node.has("stiffness_factor")) {
         const JsonNode factor = node.at("stiffness_factor");
-        const double value = factor.number_above(0, kMostYoung);
+        const double value = factor.number_above(0, kMostPascal);
         for (std::int32_t e : elements) {
             double& young = filled(def.young_pa_per_element, mesh.element_count(), law.young_pa)[std::size_t(e)];
             young *= value;
-            if (!(young > 0 && young <= kMostYoung)) factor.fail(factor.shown() + " makes Young's modulus " + to_text(young) + " Pa, outside (0, 1e15]");
+            if (!(young > 0 && young <= kMostPascal)) factor.fail(factor.shown() + " makes Young's modulus " + to_text(young) + " Pa, outside (0, 1e15]");
         }
     }
 }

@@ -14,7 +14,7 @@ namespace supple::io {
 
 /// What the readers of a scene's parts share.
 struct SceneContext {
-    std::filesystem::path folder;  ///< mesh paths are relative to it
+    std::filesystem::path folder;                                                          ///< mesh paths are relative to it
     std::map<std::pair<std::string, double>, std::shared_ptr<const BodyTemplate>> shapes;  ///< by mesh file and scale: bodies share them
 };
 

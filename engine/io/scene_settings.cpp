@@ -4,8 +4,8 @@ namespace supple::io {
 
 SolverDef read_solver(const JsonNode& node) {
     require_keys(node,
-                 {"integrator", "newton_iterations", "newton_tolerance", "cg_relative_tolerance", "cg_max_iterations", "preconditioner", "precision",
-                  "linearise_at", "rayleigh_mass_1_s", "rayleigh_stiffness_s", "tangent", "operator"},
+                 {"integrator", "newton_iterations", "newton_tolerance", "cg_relative_tolerance", "cg_max_iterations", "preconditioner",
+                  "precision", "linearise_at", "rayleigh_mass_1_s", "rayleigh_stiffness_s", "tangent", "operator"},
                  {"step_budget_us"}, "is not available in this build; leave it out: a step takes the time it needs");
     SolverDef solver;
     if (node.has("integrator")) node.at("integrator").choice({"implicit_euler"}, {"bdf2", "newmark", "static"});

@@ -27,12 +27,14 @@ void for_each_record(std::string_view text, const std::string& name, const char*
             scanner.next_line();
             continue;
         }
-        if (expected && count == *expected) scanner.fail("more than the " + std::to_string(*expected) + " lines expected, one per " + record);
+        if (expected && count == *expected)
+            scanner.fail("more than the " + std::to_string(*expected) + " lines expected, one per " + record);
         read(scanner);
         ++count;
     }
     if (expected && count != *expected) {
-        scanner.fail("the file ends after " + std::to_string(count) + " of the " + std::to_string(*expected) + " lines expected, one per " + record);
+        scanner.fail("the file ends after " + std::to_string(count) + " of the " + std::to_string(*expected) + " lines expected, one per " +
+                     record);
     }
 }
 

@@ -10,8 +10,8 @@
 
 namespace supple::io {
 
-/// Reads one vector per line, "x y z": positions [m], velocities [m/s], forces [N], in the order of the mesh. Empty lines and lines that begin
-/// with # are skipped.
+/// Reads one vector per line, "x y z": positions [m], velocities [m/s], forces [N], in the order of the mesh. Empty lines and lines that
+/// begin with # are skipped.
 /// @param expected  number of vectors, usually that of the vertices; any number where it is empty
 /// @error Error(parse) at "file:line", also for a wrong count; Error(file_unreadable)
 std::vector<Vec3> read_vectors(const std::filesystem::path& file, std::optional<std::size_t> expected = {});

@@ -96,7 +96,8 @@ std::string_view TextScanner::rest_of_line() {
 }
 
 void TextScanner::fail_value(std::string_view what, std::string_view kind, const char* begin) {
-    if (begin == end_) fail("nothing is left where " + std::string(what) + " was expected: the file is truncated, or a count in it is wrong", begin);
+    if (begin == end_)
+        fail("nothing is left where " + std::string(what) + " was expected: the file is truncated, or a count in it is wrong", begin);
     if (*begin == '\n') fail("the line ends where " + std::string(what) + " was expected", begin);
     const std::string_view found(begin, std::size_t(end_of_word(begin, end_) - begin));
     fail(std::string(what) + " must be " + std::string(kind) + ", found " + quoted(found), begin);
@@ -117,7 +118,8 @@ std::int64_t TextScanner::integer(std::string_view what, std::int64_t low, std::
     const char* begin = at_;
     const std::int64_t value = integer(what);
     if (value < low || value > high) {
-        fail(std::string(what) + " is " + std::to_string(value) + ", outside [" + std::to_string(low) + ", " + std::to_string(high) + "]", begin);
+        fail(std::string(what) + " is " + std::to_string(value) + ", outside [" + std::to_string(low) + ", " + std::to_string(high) + "]",
+             begin);
     }
     return value;
 }
@@ -148,9 +150,7 @@ std::size_t TextScanner::plausible(std::int64_t count, std::size_t least_bytes_e
     return std::size_t(std::min<std::uint64_t>(count < 0 ? 0 : std::uint64_t(count), bytes_left() / least_bytes_each + 1));
 }
 
-std::string TextScanner::where(const char* position) const {
-    return name_ + ":" + std::to_string(1 + std::count(begin_, position, '\n'));
-}
+std::string TextScanner::where(const char* position) const { return name_ + ":" + std::to_string(1 + std::count(begin_, position, '\n')); }
 
 void TextScanner::fail(const std::string& message, const char* position, ErrorCode code) const {
     throw Error(code, where(position), message);

@@ -23,10 +23,10 @@ public:
     TextScanner part(const char* begin, const char* end) const;
 
     bool at_end() const { return at_ == end_; }
-    bool line_ended();          ///< skips blanks; true at a line end or at the end of the text
-    void next_line();           ///< goes behind the next line end
-    void skip_space();          ///< skips blanks and line ends
-    std::string_view word();    ///< next word of this line; empty when the line has ended
+    bool line_ended();                ///< skips blanks; true at a line end or at the end of the text
+    void next_line();                 ///< goes behind the next line end
+    void skip_space();                ///< skips blanks and line ends
+    std::string_view word();          ///< next word of this line; empty when the line has ended
     std::string_view rest_of_line();  ///< trimmed; goes behind the line end
 
     /// A whole number / a finite real number on this line. Reals may have Fortran's D exponents and a leading plus.

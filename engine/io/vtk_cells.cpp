@@ -7,7 +7,18 @@ namespace supple::io {
 namespace {
 
 // Numbers: vtkCellType.h of VTK's documentation.
-enum VtkCell : std::int64_t { empty = 0, vertex = 1, poly_vertex = 2, line = 3, poly_line = 4, strip = 6, quad = 9, tetra = 10, voxel = 11, hexahedron = 12 };
+enum VtkCell : std::int64_t {
+    empty = 0,
+    vertex = 1,
+    poly_vertex = 2,
+    line = 3,
+    poly_line = 4,
+    strip = 6,
+    quad = 9,
+    tetra = 10,
+    voxel = 11,
+    hexahedron = 12
+};
 
 /// Dimension of the cells that are no volumes; 3 for those that are, or that are not known.
 int dimension_of(std::int64_t type) {
@@ -19,12 +30,18 @@ int dimension_of(std::int64_t type) {
 
 const char* volume_name(std::int64_t type) {
     switch (type) {
-        case 13: return "wedge";
-        case 14: return "pyramid";
-        case 24: return "quadratic tetrahedron";
-        case 25: return "quadratic hexahedron";
-        case 42: return "polyhedron";
-        default: return "cell";
+        case 13:
+            return "wedge";
+        case 14:
+            return "pyramid";
+        case 24:
+            return "quadratic tetrahedron";
+        case 25:
+            return "quadratic hexahedron";
+        case 42:
+            return "polyhedron";
+        default:
+            return "cell";
     }
 }
 
@@ -41,7 +58,8 @@ void add_vtk_cell(const TextScanner& scanner, const char* position, MeshBuilder&
     }
     const ElementType& element = type == tetra ? kTetType : kHexType;
     if (ids.size() != std::size_t(element.vertex_count)) {
-        scanner.fail("a cell of type " + std::to_string(type) + " has " + std::to_string(ids.size()) + " vertices, but needs " + std::to_string(element.vertex_count),
+        scanner.fail("a cell of type " + std::to_string(type) + " has " + std::to_string(ids.size()) + " vertices, but needs " +
+                         std::to_string(element.vertex_count),
                      position);
     }
     if (type == voxel) {  // rows of x, then y, then z; a hexahedron goes round its faces

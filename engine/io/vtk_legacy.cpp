@@ -28,11 +28,12 @@ void read_head(TextScanner& scanner) {
     const std::string_view kind = scanner.word();
     if (kind == "POLYDATA") throw surface_error(scanner.name(), "VTK PolyData");
     if (kind != "UNSTRUCTURED_GRID") {
-        scanner.fail("a VTK data set of the kind " + quoted(kind) + " is not read; save an unstructured grid of tetrahedra", line, ErrorCode::unsupported);
+        scanner.fail("a VTK data set of the kind " + quoted(kind) + " is not read; save an unstructured grid of tetrahedra", line,
+                     ErrorCode::unsupported);
     }
     if (encoding == "BINARY") {
-        scanner.fail("this VTK file is binary; only ASCII is read: save it again as ASCII (vtkUnstructuredGridWriter: SetFileTypeToASCII)", encoding_line,
-                     ErrorCode::unsupported);
+        scanner.fail("this VTK file is binary; only ASCII is read: save it again as ASCII (vtkUnstructuredGridWriter: SetFileTypeToASCII)",
+                     encoding_line, ErrorCode::unsupported);
     }
     scanner.next_line();
 }

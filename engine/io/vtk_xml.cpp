@@ -81,14 +81,16 @@ private:
         inside.remove_prefix(length);
         for (skip_space(); !inside.empty(); skip_space()) {
             const std::size_t equals = inside.find('=');
-            if (equals == std::string_view::npos) scanner_.fail("an attribute of <" + std::string(tag.name) + "> has no value", tag.position);
+            if (equals == std::string_view::npos)
+                scanner_.fail("an attribute of <" + std::string(tag.name) + "> has no value", tag.position);
             std::string_view key = inside.substr(0, equals);
             while (!key.empty() && is_space(key.back())) key.remove_suffix(1);
             inside.remove_prefix(equals + 1);
             skip_space();
             const char mark = inside.empty() ? ' ' : inside.front();
             const std::size_t end = mark == '"' || mark == '\'' ? inside.find(mark, 1) : std::string_view::npos;
-            if (end == std::string_view::npos) scanner_.fail("the value of an attribute of <" + std::string(tag.name) + "> must stand in quotes", tag.position);
+            if (end == std::string_view::npos)
+                scanner_.fail("the value of an attribute of <" + std::string(tag.name) + "> must stand in quotes", tag.position);
             tag.attributes[key] = inside.substr(1, end - 1);
             inside.remove_prefix(end + 1);
         }
@@ -108,7 +110,8 @@ struct Numbers {
 TextScanner content(const TextScanner& file, const Tag& array) {
     const std::string_view format = array.attribute("format");
     if (format != "ascii") {
-        file.fail("the data array is stored as " + quoted(format) + "; only ASCII is read: save it again as ASCII (vtkXMLWriter: SetDataModeToAscii)",
+        file.fail("the data array is stored as " + quoted(format) +
+                      "; only ASCII is read: save it again as ASCII (vtkXMLWriter: SetDataModeToAscii)",
                   array.position, ErrorCode::unsupported);
     }
     const char* end = std::find(array.behind, file.end(), '<');
@@ -177,15 +180,18 @@ struct PendingCell {
     std::size_t begin, end;  ///< in the list of ids
 };
 
-void close_piece(const TextScanner& file, Piece& piece, MeshBuilder& builder, std::vector<std::int64_t>& ids, std::vector<PendingCell>& cells) {
+void close_piece(const TextScanner& file, Piece& piece, MeshBuilder& builder, std::vector<std::int64_t>& ids,
+                 std::vector<PendingCell>& cells) {
     check_counts(file, piece);
     const std::int64_t first = std::int64_t(builder.vertex_count());
-    for (std::size_t i = 0; i < piece.points.size(); ++i) builder.add_vertex(first + std::int64_t(i), piece.points[i], piece.point_positions[i]);
+    for (std::size_t i = 0; i < piece.points.size(); ++i)
+        builder.add_vertex(first + std::int64_t(i), piece.points[i], piece.point_positions[i]);
     std::int64_t begin = 0;
     for (std::size_t c = 0; c < piece.types.values.size(); ++c) {
         const std::int64_t end = piece.offsets.values[c];
         if (end < begin || end > std::int64_t(piece.connectivity.values.size())) {
-            file.fail("offset " + std::to_string(end) + " is outside [" + std::to_string(begin) + ", " + std::to_string(piece.connectivity.values.size()) + "]",
+            file.fail("offset " + std::to_string(end) + " is outside [" + std::to_string(begin) + ", " +
+                          std::to_string(piece.connectivity.values.size()) + "]",
                       piece.offsets.positions[c]);
         }
         const std::size_t start = ids.size();
@@ -220,7 +226,8 @@ VolumeMesh parse_vtk_xml(std::string_view text, const std::string& name) {
             const std::string_view kind = tag.attribute("type");
             if (kind == "PolyData") throw surface_error(name, "VTK PolyData");
             if (kind != "UnstructuredGrid") {
-                file.fail("a VTK file of the kind " + quoted(kind) + " is not read; save an unstructured grid of tetrahedra", tag.position, ErrorCode::unsupported);
+                file.fail("a VTK file of the kind " + quoted(kind) + " is not read; save an unstructured grid of tetrahedra", tag.position,
+                          ErrorCode::unsupported);
             }
         } else if (tag.name == "Piece") {
             if (piece.open) file.fail("a piece begins inside another one", tag.position);
@@ -233,7 +240,8 @@ VolumeMesh parse_vtk_xml(std::string_view text, const std::string& name) {
         } else if (tag.name == "/Piece") {
             if (!piece.open) file.fail("</Piece> without <Piece>", tag.position);
             close_piece(file, piece, builder, ids, cells);
-        } else if (tag.name == "Points" || tag.name == "Cells" || tag.name == "PointData" || tag.name == "CellData" || tag.name == "FieldData") {
+        } else if (tag.name == "Points" || tag.name == "Cells" || tag.name == "PointData" || tag.name == "CellData" ||
+                   tag.name == "FieldData") {
             parent = tag.empty ? std::string_view() : tag.name;
         } else if (tag.name == "DataArray" && piece.open) {
             if (parent == "Points") read_points(file, tag, piece);
@@ -249,7 +257,8 @@ VolumeMesh parse_vtk_xml(std::string_view text, const std::string& name) {
     }
     if (!closed) file.fail("</VTKFile> is missing: the file is truncated", file.end());
     builder.close_vertices(file);
-    for (const PendingCell& cell : cells) add_vtk_cell(file, cell.position, builder, cell.type, {ids.data() + cell.begin, cell.end - cell.begin});
+    for (const PendingCell& cell : cells)
+        add_vtk_cell(file, cell.position, builder, cell.type, {ids.data() + cell.begin, cell.end - cell.begin});
     return builder.finish(name);
 }
 

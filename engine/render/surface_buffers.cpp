@@ -24,7 +24,7 @@ std::uint64_t hash_of(std::span<const T> items) {
         hash ^= hash >> 29;
     }
     word = 0;
-    std::memcpy(&word, bytes + i, n - i);
+    if (i < n) std::memcpy(&word, bytes + i, n - i);
     return (hash ^ word) * 0x100000001b3u;
 }
 

@@ -14,8 +14,8 @@ struct Axes {
 /// A quantity over time: linear between the entries, constant before the first and after the last. Empty times: `values[0]` always.
 template <class T>
 struct Timeline {
-    std::vector<double> times_s;  ///< strictly ascending; empty or as many as values
-    std::vector<T> values;        ///< at least one
+    std::vector<double> times_s{};  ///< strictly ascending; empty or as many as values
+    std::vector<T> values{};        ///< at least one
 
     T at(double time_s) const {
         if (times_s.empty() || time_s <= times_s.front()) return values.front();
@@ -29,11 +29,11 @@ struct Timeline {
 
 /// Prescribed motion of selected vertices. Exactly one of the three is set (non-empty values).
 struct Motion {
-    Selection where;
-    Axes axes;                       ///< the coordinates that follow; the others stay free
-    Timeline<Vec3> displacement_m;   ///< from the start position (rest position + BodyDef::translation_m)
-    Timeline<Vec3> velocity_m_s;
-    Timeline<Mat34> affine;          ///< position = A X + t of the start position X
+    Selection where{};
+    Axes axes{};                     ///< the coordinates that follow; the others stay free
+    Timeline<Vec3> displacement_m{}; ///< from the start position (rest position + BodyDef::translation_m)
+    Timeline<Vec3> velocity_m_s{};
+    Timeline<Mat34> affine{};        ///< position = A X + t of the start position X
 };
 
 enum class LoadKind {
@@ -45,9 +45,9 @@ enum class LoadKind {
 
 /// A dead load: constant direction, acting on rest geometry, changing with time only through its table.
 struct Load {
-    Selection where;
+    Selection where{};
     LoadKind kind = LoadKind::total_force;
-    Timeline<Vec3> value;
+    Timeline<Vec3> value{};
 };
 
 }  // namespace supple

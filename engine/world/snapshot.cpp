@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "supple/base/byte_stream.h"
+#include "supple/base/hash.h"
 #include "supple/world/impl.h"
 
 namespace supple {
@@ -9,6 +10,12 @@ namespace {
 
 constexpr std::uint64_t kMagic = 0x31504e53504c5053ULL;  // "SPLPSNP1", little-endian
 constexpr std::uint32_t kVersion = 1;
+
+std::uint64_t checksum(std::span<const std::byte> bytes) {
+    Hasher hasher;
+    hasher.add_bytes(bytes);
+    return hasher.value();
+}
 
 void write(ByteWriter& out, const Drag& drag) {
     out.value(drag.generation);
@@ -32,6 +39,10 @@ Drag read_drag(ByteReader& in, const World::Impl& world) {
         const auto a = in.value<std::array<double, 3>>("drag");
         *v = Vec3(a[0], a[1], a[2]);
     }
+    const bool lives = std::any_of(world.order.begin(), world.order.end(), [&](std::uint32_t slot) {
+        return drag.body == BodyId{slot, world.slots[slot].generation};
+    });
+    if (!lives) throw Error(ErrorCode::corrupt_snapshot, "snapshot", "a drag holds a body that this world does not have");
     const Body& body = world.body(drag.body);
     drag.vertex = in.list<std::int32_t>(body.vertices(), "drag patch");
     drag.weight = in.list<double>(body.vertices(), "drag patch");
@@ -62,13 +73,20 @@ std::vector<std::byte> World::save() const {
     }
     out.value(std::uint64_t(w.drags.size()));
     for (const Drag& drag : w.drags) write(out, drag);
-    return out.take();
+    std::vector<std::byte> bytes = out.take();
+    ByteWriter seal;
+    seal.value(checksum(bytes));
+    const std::vector<std::byte> end = seal.take();
+    bytes.insert(bytes.end(), end.begin(), end.end());
+    return bytes;
 }
 
 void World::restore(std::span<const std::byte> snapshot) {
     Impl& w = *impl_;
     const auto differs = [](const std::string& message) { throw Error(ErrorCode::corrupt_snapshot, "snapshot", message); };
-    ByteReader in(snapshot);
+    if (snapshot.size() < sizeof(std::uint64_t)) differs("truncated in its header");
+    const std::span<const std::byte> contents = snapshot.first(snapshot.size() - sizeof(std::uint64_t));
+    ByteReader in(contents);
     if (in.value<std::uint64_t>("header") != kMagic) differs("this is not a Supple snapshot");
     if (const auto version = in.value<std::uint32_t>("header"); version != kVersion) {
         differs("written by format version " + std::to_string(version) + ", this build reads " + std::to_string(kVersion));
@@ -97,11 +115,13 @@ void World::restore(std::span<const std::byte> snapshot) {
     std::vector<Drag> drags;
     for (std::uint64_t i = 0; i < drag_count; ++i) drags.push_back(read_drag(in, w));
     if (!in.at_end()) differs("it is longer than its contents");
+    ByteReader seal(snapshot.last(sizeof(std::uint64_t)));
+    if (seal.value<std::uint64_t>("checksum") != checksum(contents)) differs("its bytes were changed after it was saved");
 
     w.def.gravity_m_s2 = Vec3(gravity[0], gravity[1], gravity[2]);
     w.step = step;
     w.accumulator_s = accumulator;
-    w.next_drag_generation = next_drag;
+    w.next_drag_generation = std::max(w.next_drag_generation, next_drag);  // no handle given out since the save may come to life again
     for (std::size_t i = 0; i < states.size(); ++i) {
         Body& body = *w.slots[w.order[i]].body;
         std::swap(body.state, states[i]);

@@ -10,9 +10,9 @@ namespace {
 
 using solve::kRowChunk;
 
-/// Force of a drag spring on its patch, at the given positions and velocities.
-Vec3 drag_force(const Drag& drag, const std::vector<Vec3>& x, const std::vector<Vec3>& v) {
-    return drag.stiffness * (drag.target - (drag.mean(x) + drag.offset)) - drag.damping * drag.mean(v);
+/// Force of a drag spring whose patch is at x and moves with v.
+Vec3 drag_force(const Drag& drag, const Vec3& x, const Vec3& v) {
+    return drag.stiffness * (drag.target - (x + drag.offset)) - drag.damping * v;
 }
 
 bool over_cap(const Drag& drag, const Vec3& force) { return drag.max_force > 0 && force.norm() > drag.max_force; }
@@ -24,6 +24,15 @@ void for_drags_of(World::Impl& world, BodyId id, Visit&& visit) {
     }
 }
 
+/// Force of a spring at the end of a step with the velocity v0 that Newton has reached: at x + h v0, wherever the elements are linearised.
+void predict(StepContext& ctx, const Body& body, Drag& drag) {
+    if (drag.capped) return;
+    const Vec3 v = drag.mean(body.work.v0);
+    drag.predicted = drag_force(drag, drag.mean(body.state.x) + ctx.world.def.time_step_s * v, v);
+    drag.capped = over_cap(drag, drag.predicted);
+    if (drag.capped) drag.predicted *= drag.max_force / drag.predicted.norm();
+}
+
 /// rhs = b + h F: each drag spring of this body as an implicit spring, or, at its cap, as a load.
 void apply_drags(StepContext& ctx, BodyId id, Body& body) {
     const double h = ctx.world.def.time_step_s;
@@ -31,11 +40,7 @@ void apply_drags(StepContext& ctx, BodyId id, Body& body) {
     w.rhs = w.b;
     ctx.world.appended.clear();
     for_drags_of(ctx.world, id, [&](Drag& drag) {
-        if (!drag.capped) {
-            drag.predicted = drag_force(drag, w.y, w.v0);
-            drag.capped = over_cap(drag, drag.predicted);
-            if (drag.capped) drag.predicted *= drag.max_force / drag.predicted.norm();
-        }
+        predict(ctx, body, drag);
         for (std::size_t i = 0; i < drag.vertex.size(); ++i) w.rhs[std::size_t(drag.vertex[i])] += h * drag.weight[i] * drag.predicted;
         if (!drag.capped) ctx.world.appended.push_back({drag.vertex, drag.masked, h * (h * drag.stiffness + drag.damping) * Mat3::Identity()});
     });
@@ -93,6 +98,22 @@ double free_norm(StepContext& ctx, Body& body, const std::vector<Vec3>& field, A
     }));
 }
 
+double free_norm(StepContext& ctx, Body& body, const std::vector<Vec3>& field) {
+    return free_norm(ctx, body, field, [](std::size_t, const Vec3&) {});
+}
+
+/// Stops a body whose forces balance to within `floor` even when it stands still: it would creep on at a speed that no solve is asked to
+/// remove, and drift back above the floor. True if dv and its true residual are set so.
+bool comes_to_rest(StepContext& ctx, Body& body, double rhs_norm, double floor) {
+    if (!(rhs_norm <= 2 * floor)) return false;
+    Workspace& w = body.work;
+    for (std::size_t i = 0; i < body.vertices(); ++i) w.dv[i] = -free_part(body, i, w.v0[i]);
+    true_residual(ctx, body, w.residual.data());
+    if (free_norm(ctx, body, w.residual) <= floor) return true;
+    std::fill(w.dv.begin(), w.dv.end(), Vec3::Zero());
+    return false;
+}
+
 void report_solve(StepContext& ctx, const solve::LinearSolveResult& result, double scale) {
     if (result.stalled) ctx.report.flags |= StepFlag::residual_stalled;
     if (!result.converged && !result.stalled) ctx.report.flags |= StepFlag::iteration_cap;
@@ -101,12 +122,27 @@ void report_solve(StepContext& ctx, const solve::LinearSolveResult& result, doub
 
 }  // namespace
 
-bool solve_system(StepContext& ctx, BodyId id, Body& body, bool first) {
+double resting_residual(StepContext& ctx, Body& body) {
+    const WorldDef& def = ctx.world.def;
+    return std::min(1e-7, def.solver.cg_relative_tolerance) * def.time_step_s * free_norm(ctx, body, body.work.f_ext);
+}
+
+double residual_with_drags(StepContext& ctx, BodyId id, Body& body) {
+    apply_drags(ctx, id, body);
+    return free_norm(ctx, body, body.work.rhs);
+}
+
+void begin_drags(World::Impl& world, BodyId id) {
+    for_drags_of(world, id, [](Drag& drag) { drag.capped = false; });
+}
+
+void drop_drags(World::Impl& world, BodyId id) {
+    for_drags_of(world, id, [](Drag& drag) { drag.force = Vec3::Zero(); });
+}
+
+bool solve_system(StepContext& ctx, BodyId id, Body& body, double floor, bool first) {
     const SolverDef& def = ctx.world.def.solver;
     Workspace& w = body.work;
-    // A resting body costs nothing: what is a ten-millionth of the load needs no solving.
-    const double floor = 1e-7 * ctx.world.def.time_step_s * free_norm(ctx, body, w.f_ext, [](std::size_t, const Vec3&) {});
-    if (first) for_drags_of(ctx.world, id, [](Drag& drag) { drag.capped = false; });
     do {
         apply_drags(ctx, id, body);
         const double rhs_norm = free_norm(ctx, body, w.rhs, [&](std::size_t i, const Vec3& free) {
@@ -114,16 +150,22 @@ bool solve_system(StepContext& ctx, BodyId id, Body& body, bool first) {
             w.dv[i] = Vec3::Zero();
         });
         solve::LinearSolveDef solve_def;
-        solve_def.target = std::max(def.cg_relative_tolerance * rhs_norm, floor);
+        // Once above the floor, well below it: or the next step would be above it again.
+        solve_def.target = std::max(def.cg_relative_tolerance * rhs_norm, rhs_norm > floor ? 0.3 * floor : floor);
         solve_def.max_iterations = def.cg_max_iterations;
         const std::span<const Vec3> guesses[2] = {body.state.dv1, body.state.dv2};
         solve::LinearSolveResult result;
-        with_system(body, [&](auto& system) {
-            system.preconditioner->update(ctx.team, system.A, ctx.world.appended);
-            result = system.solver.solve(
-                ctx.team, system.A, ctx.world.appended, *system.preconditioner, w.free_rhs, std::span(guesses, first ? 2 : 0), solve_def,
-                [&](const Vec3*, Vec3* r) { true_residual(ctx, body, r); }, w.dv, w.residual);
-        });
+        if (comes_to_rest(ctx, body, rhs_norm, floor)) {
+            result.converged = true;
+            result.residual = free_norm(ctx, body, w.residual);
+        } else {
+            with_system(body, [&](auto& system) {
+                system.preconditioner->update(ctx.team, system.A, ctx.world.appended);
+                result = system.solver.solve(
+                    ctx.team, system.A, ctx.world.appended, *system.preconditioner, w.free_rhs, std::span(guesses, first ? 2 : 0), solve_def,
+                    [&](const Vec3*, Vec3* r) { true_residual(ctx, body, r); }, w.dv, w.residual);
+            });
+        }
         ctx.report.cg_iterations += result.iterations;
         if (!std::isfinite(result.residual)) return false;
         report_solve(ctx, result, std::max(rhs_norm, floor / def.cg_relative_tolerance));
@@ -133,7 +175,9 @@ bool solve_system(StepContext& ctx, BodyId id, Body& body, bool first) {
 }
 
 void read_drags(World::Impl& world, BodyId id, Body& body) {
-    for_drags_of(world, id, [&](Drag& drag) { drag.force = drag.capped ? drag.predicted : drag_force(drag, body.state.x, body.state.v); });
+    for_drags_of(world, id, [&](Drag& drag) {
+        drag.force = drag.capped ? drag.predicted : drag_force(drag, drag.mean(body.state.x), drag.mean(body.state.v));
+    });
 }
 
 }  // namespace supple

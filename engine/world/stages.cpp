@@ -136,7 +136,7 @@ bool integrate(StepContext& ctx, BodyId id, Body& body) {
     return true;
 }
 
-void contain(StepContext& ctx, Body& body) {
+void contain(StepContext& ctx, BodyId id, Body& body) {
     BodyState& s = body.state;
     s.frozen[0] = 1;
     s.x_previous = s.x;
@@ -146,6 +146,7 @@ void contain(StepContext& ctx, Body& body) {
     std::fill(s.reaction.begin(), s.reaction.end(), Vec3::Zero());
     fem::seed_rotations(ctx.team, body.data().rest, s.x, s.quaternion);
     body.stress.valid = false;
+    drop_drags(ctx.world, id);
     ctx.report.flags |= StepFlag::non_finite;
 }
 

@@ -15,15 +15,21 @@ void prepare_step(StepContext& ctx, Body& body);
 /// Element rotations, forces, records; then the right-hand side b. Returns |b| over free coordinates; not finite if the body has blown up.
 double evaluate_elements(StepContext& ctx, Body& body, bool at_current);
 void assemble(StepContext& ctx, Body& body);
+/// Norm of the right-hand side below which a body rests: a ten-millionth of its loads needs no solving, less where the tolerance asks for less.
+double resting_residual(StepContext& ctx, Body& body);
+/// Norm over free coordinates of the right-hand side with the forces of the drag springs.
+double residual_with_drags(StepContext& ctx, BodyId id, Body& body);
 /// Drag springs and dv; v0 += dv. False if the solution is not finite.
-bool solve_system(StepContext& ctx, BodyId id, Body& body, bool first);
+bool solve_system(StepContext& ctx, BodyId id, Body& body, double floor, bool first);
 /// Velocities and positions, history. False (and nothing changed) if they are not finite.
 bool integrate(StepContext& ctx, BodyId id, Body& body);
 /// The body stays where the step found it, takes no further part, and is reported.
-void contain(StepContext& ctx, Body& body);
+void contain(StepContext& ctx, BodyId id, Body& body);
 
-/// Forces of the drag springs at the new positions.
+/// The drag springs of a body: none at its cap at the start of a step; their forces at the new positions; no force on a body that is contained.
+void begin_drags(World::Impl& world, BodyId id);
 void read_drags(World::Impl& world, BodyId id, Body& body);
+void drop_drags(World::Impl& world, BodyId id);
 
 /// Rebuilds what depends on which coordinates are held. Allocates: the first step after an edit.
 void refresh_supports(World::Impl& world, BodyId id, Body& body);

@@ -13,29 +13,32 @@ void lap(StepContext& ctx, Stopwatch& watch, Stage stage) { ctx.report.stage_ms[
 void step_body(StepContext& ctx, Stopwatch& watch, BodyId id, Body& body) {
     const SolverDef& def = ctx.world.def.solver;
     prepare_step(ctx, body);
+    begin_drags(ctx.world, id);
+    const double floor = resting_residual(ctx, body);
     lap(ctx, watch, Stage::loads);
 
     double first_norm = 0;
     for (int k = 0;; ++k) {
-        const double norm = evaluate_elements(ctx, body, k == 0 && def.linearise_at == LineariseAt::current);
+        double norm = evaluate_elements(ctx, body, k == 0 && def.linearise_at == LineariseAt::current);
         lap(ctx, watch, Stage::elements);
-        if (!(norm < 1e300)) return contain(ctx, body);
+        if (!(norm < 1e300)) return contain(ctx, id, body);
+        if (def.newton_tolerance > 0) norm = residual_with_drags(ctx, id, body);
         if (k == 0) first_norm = norm;
-        if (k > 0 && norm <= def.newton_tolerance * first_norm) break;
+        if (k > 0 && norm <= std::max(def.newton_tolerance * first_norm, floor)) break;
         if (k == def.newton_iterations) {
             ctx.report.flags |= StepFlag::newton_cap;
             break;
         }
         assemble(ctx, body);
         lap(ctx, watch, Stage::assemble);
-        const bool finite = solve_system(ctx, id, body, k == 0);
+        const bool finite = solve_system(ctx, id, body, floor, k == 0);
         lap(ctx, watch, Stage::solve);
-        if (!finite) return contain(ctx, body);
+        if (!finite) return contain(ctx, id, body);
         ctx.report.newton_iterations = std::max(ctx.report.newton_iterations, k + 1);
         if (def.newton_tolerance == 0 && k + 1 == def.newton_iterations) break;
     }
     const bool finite = integrate(ctx, id, body);
-    if (!finite) contain(ctx, body);
+    if (!finite) contain(ctx, id, body);
     lap(ctx, watch, Stage::integrate);
 }
 

@@ -72,11 +72,14 @@ PreparedLoad prepare(const Body& body, const Load& load) {
             if (!any) throw Error(ErrorCode::invalid_argument, "Load.where", "no boundary triangle of \"" + body.name + "\" has its three vertices selected");
             break;
         }
-        case LoadKind::body_force:
-            for (const std::int32_t e : select_elements(data.mesh, load.where)) {
+        case LoadKind::body_force: {
+            const std::vector<std::int32_t> elements = select_elements(data.mesh, load.where);
+            if (elements.empty()) throw Error(ErrorCode::invalid_argument, "Load.where", "no element of \"" + body.name + "\" has its four vertices selected");
+            for (const std::int32_t e : elements) {
                 for (const std::int32_t v : data.mesh.tets[std::size_t(e)]) weight[std::size_t(v)] += data.rest.volume[std::size_t(e)] / 4;
             }
             break;
+        }
     }
     PreparedLoad prepared;
     prepared.value = load.value;

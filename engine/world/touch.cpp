@@ -59,6 +59,10 @@ DragId World::begin_drag(const PickHit& hit, const DragDef& def) {
     if (hit.triangle < 0 || std::size_t(hit.triangle) >= triangles) {
         throw Error(ErrorCode::invalid_argument, "PickHit.triangle", std::to_string(hit.triangle) + " is outside [0, " + std::to_string(triangles) + ")");
     }
+    const Vec3 barycentric(hit.barycentric[0], hit.barycentric[1], hit.barycentric[2]);
+    if (!hit.position_m.allFinite() || !barycentric.allFinite() || !(std::abs(barycentric.sum() - 1) < 1e-6)) {
+        throw Error(ErrorCode::invalid_argument, "PickHit", "position_m must be finite and barycentric must sum to one; pass on what World::pick() gave");
+    }
     require_in_range(def.radius_m, 0, 1e6, "DragDef.radius_m", "0 takes the picked triangle alone");
     require_in_range(def.stiffness_n_m, 0, 1e15, "DragDef.stiffness_n_m", "0 takes the local effective mass");
     require_in_range(def.max_force_n, 0, 1e15, "DragDef.max_force_n", "0 means no cap");

@@ -120,7 +120,7 @@ StepReport World::step() noexcept { return do_step(*impl_); }
 AdvanceReport World::advance(double real_seconds) noexcept {
     Impl& w = *impl_;
     AdvanceReport report;
-    if (real_seconds > 0) w.accumulator_s += real_seconds;  // NaN and negative clocks add nothing
+    if (real_seconds > 0 && std::isfinite(w.accumulator_s + real_seconds)) w.accumulator_s += real_seconds;  // NaN, infinite and negative clocks add nothing
     const double h = w.def.time_step_s;
     StepFlag flags = StepFlag::none;
     // Half a billionth of a step of slack: frames of exactly one step must not slip by rounding.

@@ -46,17 +46,17 @@ struct WorldDef {
     int threads = 0;                  ///< 0 = all cores; at most 256
     int max_catch_up_steps = 4;       ///< advance() does at most so many steps per call, 1..1000
     bool stress_each_step = false;    ///< compute stress inside step() (Stage::stress); otherwise on the first request after it
-    SolverDef solver;
-    LogSink log;
+    SolverDef solver{};
+    LogSink log{};
 };
 
 struct BodyDef {
-    std::string name;                                  ///< for messages; "body <index>" if empty
-    std::shared_ptr<const BodyTemplate> shape;         ///< required
+    std::string name{};                                ///< for messages; "body <index>" if empty
+    std::shared_ptr<const BodyTemplate> shape{};       ///< required
     Material material = Corotational{};
     double density_kg_m3 = 1000;                       ///< > 0
-    std::vector<double> young_pa_per_element;          ///< empty, or one per element: overrides material
-    std::vector<double> poisson_per_element;           ///< empty, or one per element: overrides material
+    std::vector<double> young_pa_per_element{};        ///< empty, or one per element: overrides material
+    std::vector<double> poisson_per_element{};         ///< empty, or one per element: overrides material
     Vec3 translation_m = Vec3::Zero();                 ///< of the start position; the rest shape stays where the mesh is
     Vec3 velocity_m_s = Vec3::Zero();                  ///< at the start
 };
