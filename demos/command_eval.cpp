@@ -16,7 +16,7 @@ namespace {
 
 struct EvalOptions {
     std::string mesh, material, positions, forces, direction, dforces;
-    std::string tangent = "warped";
+    std::string tangent;  ///< empty = the one that the law has
     double scale = 1;
     StressOptions stress;
 };
@@ -31,13 +31,20 @@ Material parse_material(const std::string& text) {
     return body.material;
 }
 
+/// Each law has one tangent: the corotational ones hold their rotations, the others are differentiated fully. Linear: both are the same.
+void check_tangent(const std::string& tangent, const Material& material) {
+    if (tangent == "exact" && std::holds_alternative<Corotational>(material))
+        throw Error(ErrorCode::unsupported, "--tangent exact", "this version differentiates a corotational law with its rotations held: use warped");
+    if (tangent == "warped" && is_hyperelastic(material))
+        throw Error(ErrorCode::unsupported, "--tangent warped", "a hyperelastic law has no rotation to hold: use exact, its consistent tangent");
+}
+
 int eval(const EvalOptions& o) {
-    if (o.tangent != "warped")
-        throw Error(ErrorCode::unsupported, "--tangent " + o.tangent, "this version offers the warped tangent R K R^T only");
     o.stress.check();
     require_writable(o.forces);
     require_writable(o.dforces);
     const Material material = parse_material(o.material);
+    check_tangent(o.tangent, material);
     const auto shape = BodyTemplate::build(io::read_mesh(o.mesh), o.scale);
     for (const std::string& sentence : shape->report().sentences()) std::fprintf(stderr, "supple: %s: %s\n", o.mesh.c_str(), sentence.c_str());
     const std::size_t vertices = shape->mesh().vertices.size();
@@ -71,7 +78,7 @@ void add_eval_command(CLI::App& app, int& status) {
     CLI::Option* dforces = command->add_option("--dforces", o->dforces, "write the force differential (df/dx) d [N]");
     direction->needs(dforces);
     dforces->needs(direction);
-    command->add_option("--tangent", o->tangent, "tangent of --dforces: warped")->check(CLI::IsMember({"warped", "exact"}))->needs(dforces);
+    command->add_option("--tangent", o->tangent, "tangent of --dforces: warped (corotational, linear) or exact (linear, hyperelastic) [that of the law]")->check(CLI::IsMember({"warped", "exact"}))->needs(dforces);
     o->stress.add(*command);
     command->callback([o, &status] { status = eval(*o); });
 }

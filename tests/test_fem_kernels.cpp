@@ -38,21 +38,59 @@ struct Deformed {
     const VolumeMesh& mesh() const { return shape->mesh(); }
 };
 
-TEST(FemKernels, EveryInstructionSetAgreesWithScalar) {
+constexpr fem::Frame kEveryFrame[] = {fem::Frame::rest, fem::Frame::large, fem::Frame::polar, fem::Frame::svd};
+
+TEST(FemKernels, EveryInstructionSetAgreesWithScalarInEveryFrame) {
     const Deformed body(0.05);
-    Elements oracle(body.mesh().vertices, body.mesh().tets, kLame);
-    ASSERT_NE(oracle.rest.elements % fem::kBlock, 0u);
-    oracle.run(Isa::scalar, body.x);
+    for (const fem::Frame frame : kEveryFrame) {
+        Elements oracle(body.mesh().vertices, body.mesh().tets, kLame);
+        ASSERT_NE(oracle.rest.elements % fem::kBlock, 0u);
+        oracle.run(Isa::scalar, body.x, frame);
+        for (const Isa isa : test::supported_isas()) {
+            SCOPED_TRACE(testing::Message() << name(isa) << ", frame " << int(frame));
+            Elements wide(body.mesh().vertices, body.mesh().tets, kLame);
+            wide.run(isa, body.x, frame);
+            EXPECT_LT(relative_difference(wide.corner, oracle.corner), 1e-12);
+            EXPECT_LT(relative_difference(wide.energy, oracle.energy), 1e-12);
+            EXPECT_LT(relative_difference(wide.stress, oracle.stress), 1e-12);
+            EXPECT_LT(relative_difference(wide.quaternion, oracle.quaternion), 1e-12);
+            EXPECT_LT(relative_difference(wide.record_d, oracle.record_d), 1e-12);
+            EXPECT_LT(relative_difference(wide.record_f, oracle.record_f), 1e-6);
+        }
+    }
+}
+
+TEST(FemKernels, SingularValuesAndPolarFactorGiveTheSameElements) {
+    const Deformed body(0.1);
     for (const Isa isa : test::supported_isas()) {
-        SCOPED_TRACE(name(isa));
-        Elements wide(body.mesh().vertices, body.mesh().tets, kLame);
-        wide.run(isa, body.x);
-        EXPECT_LT(relative_difference(wide.corner, oracle.corner), 1e-12);
-        EXPECT_LT(relative_difference(wide.energy, oracle.energy), 1e-12);
-        EXPECT_LT(relative_difference(wide.stress, oracle.stress), 1e-12);
-        EXPECT_LT(relative_difference(wide.quaternion, oracle.quaternion), 1e-12);
-        EXPECT_LT(relative_difference(wide.record_d, oracle.record_d), 1e-12);
-        EXPECT_LT(relative_difference(wide.record_f, oracle.record_f), 1e-6);
+        Elements polar(body.mesh().vertices, body.mesh().tets, kLame), svd(body.mesh().vertices, body.mesh().tets, kLame);
+        polar.run(isa, body.x, fem::Frame::polar);
+        svd.run(isa, body.x, fem::Frame::svd);
+        EXPECT_LT(relative_difference(svd.corner, polar.corner), 1e-11) << name(isa);
+        EXPECT_LT(relative_difference(svd.energy, polar.energy), 1e-11) << name(isa);
+    }
+}
+
+TEST(FemKernels, DegenerateElementsStayFiniteInEveryFrame) {
+    const auto shape = test::irregular_cube(3, 0.2, 47);
+    const auto& X = shape->mesh().vertices;
+    for (int shape_of_x = 0; shape_of_x < 4; ++shape_of_x) {
+        std::vector<Vec3> x = X;
+        for (Vec3& v : x) {
+            if (shape_of_x == 0) v.y() = 0;                   // flat
+            if (shape_of_x == 1) v = Vec3(v.x(), 0, 0);       // a line
+            if (shape_of_x == 2) v = Vec3(1, 2, 3);           // a point
+            if (shape_of_x == 3) v.z() = -v.z();              // mirrored
+        }
+        for (const fem::Frame frame : kEveryFrame) {
+            for (const Isa isa : test::supported_isas()) {
+                Elements e(X, shape->mesh().tets, kLame);
+                e.run(isa, x, frame);
+                for (const double f : e.corner) ASSERT_TRUE(std::isfinite(f)) << "frame " << int(frame) << ", " << name(isa) << ", shape " << shape_of_x;
+                for (const double q : e.quaternion) ASSERT_TRUE(std::isfinite(q)) << "frame " << int(frame) << ", " << name(isa) << ", shape " << shape_of_x;
+                for (const double s : e.stress) ASSERT_TRUE(std::isfinite(s)) << "frame " << int(frame) << ", " << name(isa) << ", shape " << shape_of_x;
+            }
+        }
     }
 }
 

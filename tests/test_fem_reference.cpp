@@ -35,27 +35,53 @@ TEST(FemReference, TheGeneratedBarDeformsAsTheFilesDo) {
     EXPECT_LT(test::relative_difference(test::read_vectors(folder / "bar1.direction.txt"), direction(shape->mesh().vertices)), 1e-12);
 }
 
-TEST(FemReference, Forces) {
-    const auto shape = test::bar();
-    const auto force = evaluate(*shape, kBar, deformed(shape->mesh().vertices)).forces_n;
-    EXPECT_TRUE(test::all_finite(force));
-    const auto file = test::shared_directory() / "reference" / "bar1.tet.polar.force.txt";
-    if (test::skipped_for_want_of(file)) return;
-    const auto expected = test::read_vectors(file);
-    ASSERT_EQ(expected.size(), shape->mesh().vertices.size());
-    EXPECT_LT(test::relative_difference(force, expected), 1e-9);
-}
-
-TEST(FemReference, ForceDifferentialsWithTheWarpedTangent) {
+/// Force and force differential of one material against the files of one method.
+void check_method(const std::string& method, const Material& material) {
     const auto shape = test::bar();
     const auto& X = shape->mesh().vertices;
-    const auto df = force_differential(*shape, kBar, deformed(X), direction(X));
+    const auto force = evaluate(*shape, material, deformed(X)).forces_n;
+    const auto df = force_differential(*shape, material, deformed(X), direction(X));
+    EXPECT_TRUE(test::all_finite(force));
     EXPECT_TRUE(test::all_finite(df));
-    const auto file = test::shared_directory() / "reference" / "bar1.tet.polar.dforce.txt";
-    if (test::skipped_for_want_of(file)) return;
-    const auto expected = test::read_vectors(file);
-    ASSERT_EQ(expected.size(), X.size());
-    EXPECT_LT(test::relative_difference(df, expected), 1e-9);
+    const auto folder = test::shared_directory() / "reference";
+    if (test::skipped_for_want_of(folder / ("bar1.tet." + method + ".force.txt"))) return;
+    const auto expected_force = test::read_vectors(folder / ("bar1.tet." + method + ".force.txt"));
+    const auto expected_df = test::read_vectors(folder / ("bar1.tet." + method + ".dforce.txt"));
+    ASSERT_EQ(expected_force.size(), X.size());
+    ASSERT_EQ(expected_df.size(), X.size());
+    EXPECT_LT(test::relative_difference(force, expected_force), 1e-9);
+    EXPECT_LT(test::relative_difference(df, expected_df), 1e-9);
+}
+
+TEST(FemReference, PolarFramesWithTheWarpedTangent) { check_method("polar", kBar); }
+TEST(FemReference, SingularValueFramesAreThePolarOnes) { check_method("polar", Corotational{.rotation = Rotation::svd, .young_pa = 2e5, .poisson = 0.4}); }
+TEST(FemReference, EdgeFrames) { check_method("large", Corotational{.rotation = Rotation::large, .young_pa = 2e5, .poisson = 0.4}); }
+TEST(FemReference, SmallDisplacements) { check_method("linear", Linear{.young_pa = 2e5, .poisson = 0.4}); }
+
+/// The hyperelastic laws, at a fifth of the deformation.
+void check_law(const std::string& law, const Material& material, double tolerance) {
+    const auto shape = test::bar();
+    const auto& X = shape->mesh().vertices;
+    std::vector<Vec3> x = deformed(X);
+    for (std::size_t i = 0; i < x.size(); ++i) x[i] = X[i] + 0.2 * (x[i] - X[i]);
+    const auto force = evaluate(*shape, material, x).forces_n;
+    const auto df = force_differential(*shape, material, x, direction(X));
+    EXPECT_TRUE(test::all_finite(force));
+    const auto folder = test::shared_directory() / "reference";
+    if (test::skipped_for_want_of(folder / ("bar1.amp004.tet." + law + ".force.txt"))) return;
+    EXPECT_LT(test::relative_difference(force, test::read_vectors(folder / ("bar1.amp004.tet." + law + ".force.txt"))), tolerance);
+    EXPECT_LT(test::relative_difference(df, test::read_vectors(folder / ("bar1.amp004.tet." + law + ".dforce.txt"))), tolerance);
+}
+
+TEST(FemReference, HyperelasticLaws) {
+    const double mu = 71428.571428571428, lambda = 285714.28571428571, K = 333333.33333333331;
+    check_law("StVenantKirchhoff", StVenantKirchhoff{.mu_pa = mu, .lambda_pa = lambda}, 1e-9);
+    check_law("NeoHookean", NeoHookean{.mu_pa = mu, .lambda_pa = lambda}, 1e-9);
+    check_law("StableNeoHookean", StableNeoHookean{.mu_pa = mu, .lambda_pa = lambda}, 1e-9);
+    check_law("MooneyRivlin", MooneyRivlin{.c1_pa = 0.4 * mu, .c2_pa = 0.1 * mu, .bulk_pa = K}, 1e-9);
+    check_law("Ogden", Ogden{.terms = {{.mu_pa = 2 * mu, .alpha = 3}}, .bulk_pa = K}, 1e-8);
+    check_law("ArrudaBoyce", ArrudaBoyce{.mu_pa = mu / 1.0851367078791743, .bulk_pa = K}, 1e-9);
+    check_law("VerondaWestman", VerondaWestman{.c1_pa = mu / 2, .c2 = 2, .bulk_pa = K}, 1e-9);
 }
 
 }  // namespace

@@ -36,6 +36,14 @@ struct Case {
 
 std::array<double, 4> wxyz(const Eigen::Quaterniond& q) { return {q.w(), q.x(), q.y(), q.z()}; }
 
+std::vector<std::pair<Isa, fem::Frame>> every_way() {
+    std::vector<std::pair<Isa, fem::Frame>> ways;
+    for (const Isa isa : test::supported_isas()) {
+        for (const fem::Frame frame : {fem::Frame::polar, fem::Frame::svd}) ways.emplace_back(isa, frame);
+    }
+    return ways;
+}
+
 /// Runs every case on every instruction set and checks what a rotation must be.
 void check_cases(const std::vector<Case>& cases) {
     std::vector<Vec3> rest_vertices, positions;
@@ -46,11 +54,11 @@ void check_cases(const std::vector<Case>& cases) {
         for (const Vec3& x : test::unit_tet_at(c.F)) positions.push_back(x);
         tets.push_back({first, first + 1, first + 2, first + 3});
     }
-    for (const Isa isa : test::supported_isas()) {
-        SCOPED_TRACE(name(isa));
+    for (const auto& [isa, frame] : every_way()) {
+        SCOPED_TRACE(testing::Message() << name(isa) << (frame == fem::Frame::svd ? ", singular values" : ", warm start"));
         test::Elements elements(rest_vertices, tets, {1, 1});
         for (std::size_t i = 0; i < cases.size(); ++i) elements.set_quaternion(i, cases[i].start);
-        elements.run(isa, positions);
+        elements.run(isa, positions, frame);
         for (std::size_t i = 0; i < cases.size(); ++i) {
             const Case& c = cases[i];
             SCOPED_TRACE(testing::Message() << c.name << " (case " << i << "), F =\n" << c.F << "\nstart " << c.start[0] << " " << c.start[1] << " "

@@ -89,20 +89,24 @@ TEST(WorldMotion, ASpinningBodyFollowsTheLawOfImplicitEuler) {
     const BodyId body = world.add_body({.shape = test::cube(2), .material = Corotational{.young_pa = 1e9, .poisson = 0.3}, .translation_m = Vec3::Constant(-0.5)});
     const double spin = 5;
     auto x = test::copy(world.positions(body)), v = x;
-    for (std::size_t i = 0; i < x.size(); ++i) v[i] = Vec3(0, 0, spin).cross(x[i]);
+    // About a principal axis, or the body would tumble: the lumped masses of a box cut into tets are not quite symmetric.
+    Mat3 inertia = Mat3::Zero();
+    for (std::size_t i = 0; i < x.size(); ++i) inertia += world.masses(body)[i] * (x[i].squaredNorm() * Mat3::Identity() - x[i] * x[i].transpose());
+    const Vec3 axis = Eigen::SelfAdjointEigenSolver<Mat3>(inertia).eigenvectors().col(2);
+    for (std::size_t i = 0; i < x.size(); ++i) v[i] = (spin * axis).cross(x[i]);
     world.set_state(body, x, v);
     const auto angular = [&] {
         Vec3 sum = Vec3::Zero();
         for (std::size_t i = 0; i < x.size(); ++i) sum += world.masses(body)[i] * world.positions(body)[i].cross(world.velocities(body)[i]);
         return sum;
     };
-    const double first = angular().z();
+    const double first = angular().norm();
     for (int n = 1; n <= 100; ++n) {
         world.step();
         const double law = 1 / std::sqrt(1 + 2 * n * std::pow(spin * def.time_step_s, 2));
-        EXPECT_NEAR(angular().z() / first, law, 0.01) << "step " << n;
+        EXPECT_NEAR(angular().norm() / first, law, 0.01) << "step " << n;
+        EXPECT_NEAR(angular().dot(axis), angular().norm(), 1e-6 * first) << "the axis of the spin stays";
     }
-    EXPECT_LT(angular().head<2>().norm(), 1e-3 * first);
 }
 
 // -- modes -------------------------------------------------------------------------------------------

@@ -2,8 +2,6 @@
 
 #include <omp.h>
 
-#include <exception>
-#include <thread>
 
 namespace supple {
 
@@ -84,74 +82,39 @@ void Team::work(int rank, std::uint32_t epoch) {
     }
 }
 
+Team::Team(int threads) : size_(threads < 1 ? 1 : threads < kMaxThreads ? threads : kMaxThreads) {
+    if (size_ > 1) host_ = std::thread([this] { open_region(); });
+}
+
+Team::~Team() {
+    if (!host_.joinable()) return;
+    loop_.store(nullptr, std::memory_order_relaxed);
+    epoch_.fetch_add(1, std::memory_order_release);
+    epoch_.notify_all();
+    host_.join();
+    (void)finished_.load(std::memory_order_acquire);  // the join orders the host alone; this, every member
+}
+
+// Fewer threads than asked for are no fault: whoever is there takes the chunks of those who are not.
+void Team::open_region() {
+#pragma omp parallel num_threads(size_ - 1)
+    serve(omp_get_thread_num() + 1);
+}
+
 void Team::serve(int rank) {
     for (std::uint32_t seen = 0;;) {
         seen = wait_for_change(epoch_, seen);
-        if (loop_.load(std::memory_order_relaxed) == nullptr) return;
+        if (loop_.load(std::memory_order_relaxed) == nullptr) {
+            finished_.fetch_add(1, std::memory_order_release);  // the last touch of this team
+            return;
+        }
         work(rank, seen);
     }
 }
 
-void Team::dismiss() {
-    loop_.store(nullptr, std::memory_order_relaxed);
-    epoch_.fetch_add(1, std::memory_order_release);
-    epoch_.notify_all();
-}
-
-/// Everything that happens inside the OpenMP region, kept out of the function that holds the pragma.
-struct TeamRegion {
-    FunctionRef<void(Team&)> body;
-    Team team{};
-    std::exception_ptr failure{};
-
-    void enter(int rank, int size) {
-        if (rank != 0) {
-            team.serve(rank);
-            return;
-        }
-        team.size_ = size;  // published to the others by the release of the first loop
-        try {
-            body(team);
-        } catch (...) {
-            failure = std::current_exception();
-        }
-        team.dismiss();
-    }
-};
-
-namespace {
-
-#if defined(__SANITIZE_THREAD__)
-// ThreadSanitizer cannot see that libgomp's futexes order the entry of a region: say the same in words it knows.
-std::atomic<std::uint32_t> region_entry{0};
-void announce_region() { region_entry.fetch_add(1, std::memory_order_release); }
-void join_region() { (void)region_entry.load(std::memory_order_acquire); }
-#else
-void announce_region() {}
-void join_region() {}
-#endif
-
-// The compiler's own hand-over of `region` is beyond ThreadSanitizer; all that happens inside synchronises by Team.
-__attribute__((no_sanitize("thread"))) void open_region(TeamRegion* region, int threads) {
-#pragma omp parallel num_threads(threads) default(none) firstprivate(region)
-    {
-        join_region();
-        region->enter(omp_get_thread_num(), omp_get_num_threads());
-    }
-}
-
-}  // namespace
-
 void with_team(int threads, FunctionRef<void(Team&)> body) {
-    if (threads <= 1) {
-        Team alone;
-        body(alone);
-        return;
-    }
-    TeamRegion region{body, {}, nullptr};
-    announce_region();
-    open_region(&region, threads);
-    if (region.failure) std::rethrow_exception(region.failure);
+    Team team(threads);
+    body(team);
 }
 
 }  // namespace supple

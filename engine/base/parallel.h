@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <thread>
 
 #include "supple/base/function_ref.h"
 
@@ -13,14 +14,17 @@ int hardware_threads();
 
 inline constexpr int kMaxThreads = 256;
 
-/// A team of threads inside one with_team() region. Rank 0 runs serial code and hands out loops; the others help with them.
+/// Threads that share loops. The thread that owns the team is rank 0: it runs serial code and hands out loops; the others help with them, and sleep when there is
+/// nothing to help with. They live as long as the team, inside one OpenMP region: no step waits for a region to begin or end.
 ///
 /// A loop is cut into chunks whose number depends on the problem only, never on the team: sums are taken chunk by chunk, so every
 /// team size gives the same bits. Each rank first takes the chunks that it owns in every loop of the same length (locality), then those that others have not begun.
 /// Nobody is waited for but who holds a chunk: a partner whose core is taken by another process costs its help, not a scheduler tick.
 class Team {
 public:
-    Team() = default;
+    /// @param threads  rank 0 included; 1 makes a team that is just its owner. At most kMaxThreads are used.
+    explicit Team(int threads = 1);
+    ~Team();
     Team(const Team&) = delete;
     Team& operator=(const Team&) = delete;
 
@@ -39,7 +43,6 @@ public:
     }
 
 private:
-    friend struct TeamRegion;
     using Loop = FunctionRef<void(std::size_t)>;
 
     /// Next chunk of the share of one rank, tagged with the loop it belongs to (loop << 32 | chunk): a rank that wakes late finds
@@ -50,8 +53,8 @@ private:
 
     std::size_t share_begin(std::size_t chunks, int rank) const { return chunks * std::size_t(rank) / std::size_t(size_); }
     void work(int rank, std::uint32_t epoch);
+    void open_region();
     void serve(int rank);
-    void dismiss();
 
     int size_ = 1;
     std::atomic<const Loop*> loop_{nullptr};             ///< null tells the others to go home
@@ -59,10 +62,10 @@ private:
     alignas(64) std::atomic<std::uint32_t> epoch_{0};    ///< number of the loop handed out last
     alignas(64) std::atomic<std::uint32_t> finished_{0}; ///< chunks of it that are done
     std::array<Cursor, kMaxThreads> cursor_;
+    std::thread host_;  ///< opens the OpenMP region and is its first member
 };
 
-/// Runs body(team) on the calling thread, with `threads` (at most kMaxThreads) threads at its call; one OpenMP region. 1 runs it without any.
-/// An exception from `body` passes through after the team has gone home.
+/// Runs body(team) on the calling thread with a team of its own. An exception from `body` passes through after the team has gone home.
 void with_team(int threads, FunctionRef<void(Team&)> body);
 
 }  // namespace supple

@@ -112,7 +112,7 @@ std::unique_ptr<Body> make_body(const BodyDef& def, const WorldDef& world, std::
     return body;
 }
 
-void update_stress(const Body& body, int threads) {
+void update_stress(const Body& body, Team& team) {
     StressCache& s = body.stress;
     if (s.valid) return;
     const TemplateData& data = body.data();
@@ -125,23 +125,21 @@ void update_stress(const Body& body, int threads) {
     s.block_energy.resize(data.rest.blocks() * fem::kBlock);
     s.quaternion = body.state.quaternion;  // a copy: looking at the stress must not change what the next step does
 
-    with_team(elements < kMinElementsForThreads ? 1 : threads, [&](Team& team) {
-        fem::ElementOutputs outputs;
-        outputs.stress = s.block_stress.data();
-        outputs.energy = s.block_energy.data();
-        body.elements->evaluate(team, body.state.x.data()->data(), s.quaternion.data(), outputs);
-        team.for_range(elements, 512, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t e = begin; e < end; ++e) {
-                for (std::size_t c = 0; c < 6; ++c) s.element[e][c] = s.block_stress[(e / fem::kBlock * 6 + c) * fem::kBlock + e % fem::kBlock];
-                s.element_von_mises[e] = fem::von_mises(s.element[e]);
-            }
-        });
-        team.for_range(vertices, 512, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t v = begin; v < end; ++v) {
-                s.vertex[v] = fem::recover_at_vertex(data.corners, data.rest.volume, s.element, v);
-                s.vertex_von_mises[v] = fem::von_mises(s.vertex[v]);
-            }
-        });
+    fem::ElementOutputs outputs;
+    outputs.stress = s.block_stress.data();
+    outputs.energy = s.block_energy.data();
+    body.elements->evaluate(team, body.state.x.data()->data(), s.quaternion.data(), outputs);
+    team.for_range(elements, 512, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t e = begin; e < end; ++e) {
+            for (std::size_t c = 0; c < 6; ++c) s.element[e][c] = s.block_stress[(e / fem::kBlock * 6 + c) * fem::kBlock + e % fem::kBlock];
+            s.element_von_mises[e] = fem::von_mises(s.element[e]);
+        }
+    });
+    team.for_range(vertices, 512, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t v = begin; v < end; ++v) {
+            s.vertex[v] = fem::recover_at_vertex(data.corners, data.rest.volume, s.element, v);
+            s.vertex_von_mises[v] = fem::von_mises(s.vertex[v]);
+        }
     });
     s.energy_j = 0;
     for (const double w : s.block_energy) s.energy_j += w;

@@ -11,8 +11,8 @@
 
 namespace supple {
 
-// Below this many elements the hand-over between threads costs more than it saves.
-inline constexpr std::size_t kMinElementsForThreads = 1500;
+// Below this many elements the hand-over between threads costs about what it saves.
+inline constexpr std::size_t kMinElementsForThreads = 4000;
 
 /// Everything of one body that moves. Snapshot, restore, reset and hash iterate this list, so nothing is forgotten.
 struct BodyState {
@@ -130,6 +130,6 @@ struct Drag {
 /// @error Error(invalid_argument) naming the field of BodyDef
 std::unique_ptr<Body> make_body(const BodyDef& def, const WorldDef& world, std::size_t index, Isa isa);
 /// Fills body.stress from the current positions, unless it is valid.
-void update_stress(const Body& body, int threads);
+void update_stress(const Body& body, Team& team);
 
 }  // namespace supple

@@ -7,6 +7,8 @@ struct World::Impl {
     WorldDef def;
     Isa isa = best_isa();
     int threads = 1;
+    Team alone;                      ///< for bodies too small to share
+    std::unique_ptr<Team> crew;      ///< `threads` strong; made with the first body that is large enough
 
     struct Slot {
         std::uint32_t generation = 1;
@@ -21,6 +23,7 @@ struct World::Impl {
     double accumulator_s = 0;
     std::vector<solve::AppendedRow> appended;  ///< scratch of a step: rows of one body
 
+    Team& team_for(std::size_t elements) { return crew && elements >= kMinElementsForThreads ? *crew : alone; }
     Body& body(BodyId id) const;
     Drag& drag(DragId id);
     double time_s() const { return double(step) * def.time_step_s; }

@@ -50,23 +50,21 @@ StepReport do_step(World::Impl& world) noexcept {
     std::size_t largest = 0;
     for (const std::uint32_t slot : world.order) largest = std::max(largest, world.slots[slot].body->data().rest.elements);
 
-    with_team(largest < kMinElementsForThreads ? 1 : world.threads, [&](Team& team) {
-        StepContext ctx{team, world, report, double(world.step + 1) * world.def.time_step_s};
-        for (const std::uint32_t slot : world.order) {
-            Body& body = *world.slots[slot].body;
-            const BodyId id{slot, world.slots[slot].generation};
-            if (body.supports_changed) refresh_supports(world, id, body);
-            lap(ctx, watch, Stage::guard);
-            if (body.frozen()) {
-                report.flags |= StepFlag::frozen;
-                continue;
-            }
-            step_body(ctx, watch, id, body);
+    StepContext ctx{world.team_for(largest), world, report, double(world.step + 1) * world.def.time_step_s};
+    for (const std::uint32_t slot : world.order) {
+        Body& body = *world.slots[slot].body;
+        const BodyId id{slot, world.slots[slot].generation};
+        if (body.supports_changed) refresh_supports(world, id, body);
+        lap(ctx, watch, Stage::guard);
+        if (body.frozen()) {
+            report.flags |= StepFlag::frozen;
+            continue;
         }
-    });
+        step_body(ctx, watch, id, body);
+    }
     ++world.step;
     if (world.def.stress_each_step) {
-        for (const std::uint32_t slot : world.order) update_stress(*world.slots[slot].body, world.threads);
+        for (const std::uint32_t slot : world.order) update_stress(*world.slots[slot].body, world.team_for(world.slots[slot].body->data().rest.elements));
         report.stage_ms[std::size_t(Stage::stress)] = watch.lap_ms();
     }
     report.step = world.step;

@@ -67,6 +67,7 @@ BodyId World::add_body(const BodyDef& def) {
             w.def.log(LogLevel::warning, body->name + ": Poisson's ratio " + to_text(poisson) + " above 0.48 locks linear tetrahedra: they bend too little");
         }
     }
+    if (!w.crew && w.threads > 1 && body->data().rest.elements >= kMinElementsForThreads) w.crew = std::make_unique<Team>(w.threads);
     if (slot == w.slots.size()) w.slots.emplace_back();
     w.slots[slot].body = std::move(body);
     w.order.push_back(slot);
@@ -111,7 +112,7 @@ void World::set_state(BodyId id, std::span<const Vec3> positions_m, std::span<co
     s.v.assign(velocities_m_s.begin(), velocities_m_s.end());
     s.x_previous = s.x;
     for (auto* history : {&s.dv1, &s.dv2}) history->assign(body.vertices(), Vec3::Zero());
-    with_team(impl_->threads, [&](Team& team) { fem::seed_rotations(team, body.data().rest, s.x, s.quaternion); });
+    fem::seed_rotations(impl_->team_for(body.data().rest.elements), body.data().rest, s.x, s.quaternion);
     body.stress.valid = false;
 }
 
@@ -157,9 +158,9 @@ std::span<const Vec3> World::reactions(BodyId id) const { return impl_->body(id)
 
 namespace {
 
-const StressCache& stress_of(const World::Impl& w, BodyId id) {
+const StressCache& stress_of(World::Impl& w, BodyId id) {
     const Body& body = w.body(id);
-    update_stress(body, w.threads);
+    update_stress(body, w.team_for(body.data().rest.elements));
     return body.stress;
 }
 

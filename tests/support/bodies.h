@@ -25,7 +25,7 @@ public:
         z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ULL;
         z = (z ^ (z >> 27)) * 0x94d049bb133111ebULL;
         z ^= z >> 31;
-        return low + (high - low) * double(z >> 11) * 0x1p-53;
+        return low + (high - low) * (double(z >> 11) * 0x1p-53);
     }
     Vec3 vector(double size) { return {uniform(-size, size), uniform(-size, size), uniform(-size, size)}; }
     Mat3 matrix(double size) {

@@ -1,0 +1,156 @@
+// A step in the steady state allocates nothing: every form of operator new is counted for this whole executable, on all threads.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cstdlib>
+#include <new>
+
+#include "supple/base/aligned.h"
+#include "support/bodies.h"
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define SUPPLE_OWN_ALLOCATOR 0  // the sanitizers bring their own
+#else
+#define SUPPLE_OWN_ALLOCATOR 1
+#endif
+
+namespace {
+std::atomic<bool> counting{false};
+std::atomic<long> allocations{0}, releases{0};
+}  // namespace
+
+#if SUPPLE_OWN_ALLOCATOR
+namespace {
+void* counted(std::size_t size, std::size_t alignment) {
+    if (counting.load(std::memory_order_relaxed)) allocations.fetch_add(1, std::memory_order_relaxed);
+    const std::size_t rounded = (size + alignment - 1) / alignment * alignment;
+    void* p = alignment <= alignof(std::max_align_t) ? std::malloc(size == 0 ? 1 : size) : std::aligned_alloc(alignment, rounded == 0 ? alignment : rounded);
+    if (p == nullptr) throw std::bad_alloc();
+    return p;
+}
+void released(void* p) {
+    if (p != nullptr && counting.load(std::memory_order_relaxed)) releases.fetch_add(1, std::memory_order_relaxed);
+    std::free(p);
+}
+}  // namespace
+
+void* operator new(std::size_t size) { return counted(size, 1); }
+void* operator new[](std::size_t size) { return counted(size, 1); }
+void* operator new(std::size_t size, std::align_val_t a) { return counted(size, std::size_t(a)); }
+void* operator new[](std::size_t size, std::align_val_t a) { return counted(size, std::size_t(a)); }
+void operator delete(void* p) noexcept { released(p); }
+void operator delete[](void* p) noexcept { released(p); }
+void operator delete(void* p, std::size_t) noexcept { released(p); }
+void operator delete[](void* p, std::size_t) noexcept { released(p); }
+void operator delete(void* p, std::align_val_t) noexcept { released(p); }
+void operator delete[](void* p, std::align_val_t) noexcept { released(p); }
+void operator delete(void* p, std::size_t, std::align_val_t) noexcept { released(p); }
+void operator delete[](void* p, std::size_t, std::align_val_t) noexcept { released(p); }
+#endif
+
+namespace supple {
+namespace {
+
+bool skipped() {
+    if (SUPPLE_OWN_ALLOCATOR) return false;
+    std::printf("skipped: a sanitizer owns operator new; allocations were not counted\n");
+    return true;
+}
+
+template <class Work>
+long allocations_of(Work&& work) {
+    allocations = 0;
+    releases = 0;
+    counting = true;
+    work();
+    counting = false;
+    return allocations + releases;
+}
+
+TEST(WorldAllocation, TheCounterCounts) {
+    if (skipped()) return;
+    EXPECT_EQ(allocations_of([] {}), 0);
+    EXPECT_GE(allocations_of([] { delete new std::vector<double>(100); }), 4);
+    EXPECT_GE(allocations_of([] { AlignedVector<double> v(100); }), 2);
+}
+
+/// A world in which everything is going on: several bodies, supports, prescribed motion, loads, two drags (one at its cap).
+struct Busy {
+    World world;
+    DragId drag;
+    Vec3 at;
+
+    explicit Busy(const WorldDef& def) : world(def) {
+        const BodyId bar = world.add_body({.shape = test::bar(), .material = Corotational{.young_pa = 1e5, .poisson = 0.4}});
+        world.fix(bar, test::at_x(0));
+        world.add_load(bar, {Everything{}, LoadKind::body_force, {{0, 1}, {Vec3(0, 0, 0), Vec3(0, 100, 0)}}});
+        const BodyId cube = world.add_body({.shape = test::cube(3, 0.1), .translation_m = {0, 1, 0}});
+        Motion motion;
+        motion.where = test::at_x(0);
+        motion.displacement_m = {{0, 1}, {Vec3::Zero(), Vec3(0.1, 0, 0)}};
+        world.prescribe(cube, motion);
+        const auto hit = world.pick({{0.35, 0.05, 1}, {0, 0, -1}});
+        EXPECT_TRUE(hit.has_value());
+        at = hit->position_m;
+        drag = world.begin_drag(*hit, {.radius_m = 0.04});
+        const auto other = world.pick({{0.1, 1.05, 1}, {-0.01, 0, -1}});
+        EXPECT_TRUE(other && other->body == cube);
+        const DragId weak = world.begin_drag(*other, {.max_force_n = 1e-3});
+        world.move_drag(weak, other->position_m + Vec3(1, 0, 0));
+    }
+    void step(int n) {
+        world.move_drag(drag, at + Vec3(0, 0.001 * n, 0));
+        EXPECT_EQ(world.step().flags, StepFlag::none);
+    }
+};
+
+void expect_no_allocation(const WorldDef& def, const char* what) {
+    Busy busy(def);
+    for (int n = 0; n < 3; ++n) busy.step(n);
+    EXPECT_EQ(allocations_of([&] {
+                  for (int n = 3; n < 13; ++n) busy.step(n);
+              }),
+              0)
+        << what;
+    EXPECT_EQ(allocations_of([&] { busy.world.advance(0.05); }), 0) << what << ", advance";
+}
+
+TEST(WorldAllocation, AStepAllocatesNothing) {
+    if (skipped()) return;
+    for (const Precision precision : {Precision::single, Precision::double_}) {
+        for (const int threads : {1, 2, 3}) {
+            WorldDef def;
+            def.time_step_s = 0.01;
+            def.threads = threads;
+            def.solver.precision = precision;
+            expect_no_allocation(def, "one Newton iteration");
+            def.solver.newton_iterations = 3;
+            def.solver.newton_tolerance = 0.5;
+            def.solver.linearise_at = LineariseAt::current;
+            def.solver.rayleigh_stiffness_s = 0.001;
+            def.stress_each_step = true;
+            expect_no_allocation(def, "Newton, damping, stress");
+        }
+    }
+}
+
+TEST(WorldAllocation, ReadingAllocatesNothingTheSecondTime) {
+    if (skipped()) return;
+    WorldDef def;
+    def.threads = 1;
+    Busy busy(def);
+    const BodyId body = busy.world.bodies().front();
+    busy.step(0);
+    (void)busy.world.von_mises(body);
+    busy.step(1);
+    double sum = 0;
+    EXPECT_EQ(allocations_of([&] {
+                  sum += busy.world.von_mises(body)[0] + busy.world.positions(body)[0].x() + busy.world.velocities(body)[0].x();
+                  sum += busy.world.cauchy_stress(body)[0][0] + busy.world.drag_state(busy.drag).force_n.x();
+              }),
+              0)
+        << sum;
+}
+
+}  // namespace
+}  // namespace supple
