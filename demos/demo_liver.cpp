@@ -63,7 +63,7 @@ std::vector<Touch> touches() {
     pull.end_s = 8.0;
     pull.ray = {Vec3(-0.03, -0.5, 0.02), Vec3(0, 1, 0)};
     pull.radius_m = 0.03;
-    pull.displacement_m = there(Vec3(0.025, -0.038, 0.03), 1.4);
+    pull.displacement_m = there(Vec3(0.022, -0.034, 0.028), 1.4);
     pull.tool_radius_m = 0.008;
     pull.pushes = false;
     pull.caption = "Pulled at the lower edge";
@@ -72,7 +72,7 @@ std::vector<Touch> touches() {
 
 class Liver : public Show {
 public:
-    explicit Liver(const ShowOptions& options) : world_(world_def(options)), script_(world_, touches(), 0.009) {
+    explicit Liver(const ShowOptions& options) : world_(world_def(options)), script_(world_, touches(), 0.07, 4.0) {
         BodyDef def;
         def.name = "liver";
         def.shape = BodyTemplate::build(io::read_mesh(find_asset("liver.msh")));

@@ -1,6 +1,7 @@
 #include "touch_script.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 
 #include "supple/base/error.h"
@@ -24,8 +25,8 @@ void show_force(FrameView& view, const Vec3& force_n) {
     view.hud += text;
 }
 
-TouchScript::TouchScript(World& world, std::vector<Touch> touches, double newton_length_m)
-    : world_(&world), touches_(std::move(touches)), newton_length_m_(newton_length_m) {}
+TouchScript::TouchScript(World& world, std::vector<Touch> touches, double arrow_m, double usual_n)
+    : world_(&world), touches_(std::move(touches)), arrow_m_(arrow_m), usual_n_(usual_n) {}
 
 void TouchScript::before_step() {
     if (next_ == touches_.size()) return;
@@ -69,7 +70,7 @@ void TouchScript::decorate(FrameView& view) const {
     const Vec3 along = touch.ray.direction.normalized();
     const Vec3 tool = state.anchor_m - touch.tool_radius_m * along;
     const Vec3 behind = tool - touch.tool_radius_m * along;
-    const Vec3 arrow = newton_length_m_ * state.force_n;
+    const Vec3 arrow = arrow_m_ * (1 - std::exp(-state.force_n.norm() / usual_n_)) * state.force_n.normalized();
     view.markers.push_back({tool, touch.tool_radius_m});
     if (touch.pushes)
         view.arrows.push_back({behind - arrow, behind});

@@ -25,8 +25,9 @@ struct Touch {
 /// Plays touches, one at a time, and shows them: tool, force arrow, caption, force in the HUD.
 class TouchScript {
 public:
-    /// @param newton_length_m  length of the arrow of a force of one newton
-    TouchScript(World& world, std::vector<Touch> touches, double newton_length_m);
+    /// @param arrow_m  length that the arrow of an endless force would have; that of `usual_n` newtons has 63 % of it. So small forces are
+    ///                 seen and large ones stay in the picture; the number stands in the HUD.
+    TouchScript(World& world, std::vector<Touch> touches, double arrow_m, double usual_n);
 
     void before_step();                 ///< begins, moves and ends drags as the world's time asks for
     void decorate(FrameView& view) const;
@@ -36,7 +37,7 @@ private:
 
     World* world_;
     std::vector<Touch> touches_;
-    double newton_length_m_;
+    double arrow_m_, usual_n_;
     std::size_t next_ = 0;              ///< first touch that has not ended
     DragId drag_;
     Vec3 start_m_ = Vec3::Zero();       ///< where the current touch met the surface

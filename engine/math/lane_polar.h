@@ -111,6 +111,21 @@ inline T inner_product(const M3<T>& A, const M3<T>& B) {
     return sum;
 }
 
+/// The rare lanes that the first turns left behind: from a fresh start where that is better, then polished. Kept out of the hot loop.
+template <class T>
+[[gnu::noinline, gnu::cold]] void finish_polar(const M3<T>& A, Quat<T>& q, M3<T>& R, const LaneMask& arrived) {
+    // A lane keeps its own answer unless the fresh start is better: flat and collapsed elements have many equally good ones.
+    const Quat<T> fresh = dominant_quaternion(A);
+    const LaneMask better = (inner_product(rotation_matrix(fresh), A) > inner_product(R, A) + T(1e-9)) & !arrived;
+    q = {choose(better, fresh.w, q.w), choose(better, fresh.x, q.x), choose(better, fresh.y, q.y), choose(better, fresh.z, q.z)};
+    R = rotation_matrix(q);
+    LaneMask moving;
+    for (int turn = 0; turn < kMaxPolishTurns; ++turn) {
+        polar_turn(A, q, R, moving);
+        if (!any_of(moving)) break;
+    }
+}
+
 /// @param F  deformation gradient, any determinant, zero allowed
 /// @param q  in: unit quaternion to start from; out: that of R. Finite and unit for any finite F.
 /// @return   R
@@ -128,17 +143,7 @@ inline M3<T> polar_rotation(const M3<T>& F, Quat<T>& q) {
         arrived = polar_turn(A, q, R, moving);
         if (!any_of(moving)) break;
     }
-    if (!any_of(!arrived)) return R;
-
-    // A lane keeps its own answer unless the fresh start is better: flat and collapsed elements have many equally good ones.
-    const Quat<T> fresh = dominant_quaternion(A);
-    const LaneMask better = (inner_product(rotation_matrix(fresh), A) > inner_product(R, A) + T(1e-9)) & !arrived;
-    q = {choose(better, fresh.w, q.w), choose(better, fresh.x, q.x), choose(better, fresh.y, q.y), choose(better, fresh.z, q.z)};
-    R = rotation_matrix(q);
-    for (int turn = 0; turn < kMaxPolishTurns; ++turn) {
-        polar_turn(A, q, R, moving);
-        if (!any_of(moving)) break;
-    }
+    if (any_of(!arrived)) finish_polar(A, q, R, arrived);
     return R;
 }
 
