@@ -28,7 +28,7 @@ supple_install_packages() {
     missing=$(supple_missing_packages $SUPPLE_PACKAGES | tr '\n' ' ')
     missing=${missing% }
     [ -n "$missing" ] || return 0
-    echo "supple: installing $missing"
+    echo "supple: packages to install: $missing"
     if [ "$(id -u)" -eq 0 ]; then
         as_root='env'
     elif command -v sudo >/dev/null 2>&1 && { sudo -n true 2>/dev/null || [ -t 0 ]; }; then

@@ -72,7 +72,7 @@ std::vector<Touch> touches() {
 
 class Liver : public Show {
 public:
-    explicit Liver(const ShowOptions& options) : world_(world_def(options)), script_(world_, touches(), 0.07, 4.0) {
+    explicit Liver(const ShowOptions& options) : world_(world_def(options)), script_(world_, touches(), 0.055, 4.0) {
         BodyDef def;
         def.name = "liver";
         def.shape = BodyTemplate::build(io::read_mesh(find_asset("liver.msh")));
