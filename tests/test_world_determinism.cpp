@@ -37,19 +37,19 @@ std::uint64_t hash_after(int threads, Precision precision, int steps, bool look 
 }
 
 TEST(WorldDeterminism, TheNumberOfThreadsDoesNotMatterInSingle) {
-    const std::uint64_t one = hash_after(1, Precision::single, 8);
-    for (const int threads : {2, 3, 8}) EXPECT_EQ(hash_after(threads, Precision::single, 8), one) << threads << " threads";
-    EXPECT_NE(hash_after(1, Precision::single, 7), one);
+    const std::uint64_t one = hash_after(1, Precision::single, 5);
+    for (const int threads : {2, 3, 8}) EXPECT_EQ(hash_after(threads, Precision::single, 5), one) << threads << " threads";
+    EXPECT_NE(hash_after(1, Precision::single, 4), one);
 }
 
 TEST(WorldDeterminism, TheNumberOfThreadsDoesNotMatterInDouble) {
-    const std::uint64_t one = hash_after(1, Precision::double_, 8);
-    for (const int threads : {2, 3, 8}) EXPECT_EQ(hash_after(threads, Precision::double_, 8), one) << threads << " threads";
-    EXPECT_NE(hash_after(1, Precision::single, 8), one);
+    const std::uint64_t one = hash_after(1, Precision::double_, 5);
+    for (const int threads : {2, 3, 8}) EXPECT_EQ(hash_after(threads, Precision::double_, 5), one) << threads << " threads";
+    EXPECT_NE(hash_after(1, Precision::single, 5), one);
 }
 
 TEST(WorldDeterminism, LookingChangesNothing) {
-    EXPECT_EQ(hash_after(2, Precision::single, 6, true), hash_after(2, Precision::single, 6, false));
+    EXPECT_EQ(hash_after(2, Precision::single, 4, true), hash_after(2, Precision::single, 4, false));
 }
 
 TEST(WorldDeterminism, StressInEveryStepChangesNothing) {
@@ -67,10 +67,10 @@ TEST(WorldDeterminism, StressInEveryStepChangesNothing) {
 }
 
 TEST(WorldDeterminism, TwoWorldsOnTwoThreadsDoNotDisturbEachOther) {
-    const std::uint64_t alone = hash_after(2, Precision::single, 6);
+    const std::uint64_t alone = hash_after(2, Precision::single, 4);
     std::uint64_t hashes[2] = {0, 0};
-    std::thread first([&] { hashes[0] = hash_after(2, Precision::single, 6); });
-    std::thread second([&] { hashes[1] = hash_after(2, Precision::single, 6); });
+    std::thread first([&] { hashes[0] = hash_after(2, Precision::single, 4); });
+    std::thread second([&] { hashes[1] = hash_after(2, Precision::single, 4); });
     first.join();
     second.join();
     EXPECT_EQ(hashes[0], alone);

@@ -50,8 +50,8 @@ TEST(WorldNewton, OneStepAtThePredictionIsCloserThanAtTheCurrentState) {
     const auto tip_after = [&](int newton, LineariseAt at) {
         def.solver.newton_iterations = newton;
         def.solver.linearise_at = at;
-        Bar bar(def, {16, 4, 4});
-        for (int n = 0; n < 50; ++n) bar.world.step();
+        Bar bar(def, {8, 2, 2});
+        for (int n = 0; n < 40; ++n) bar.world.step();
         return bar.tip();
     };
     const Vec3 converged = tip_after(8, LineariseAt::prediction);
@@ -125,7 +125,7 @@ TEST(WorldSolver, SingleReachesATightTrueResidualOnAStiffSystem) {
     def.solver.cg_relative_tolerance = 1e-8;
     def.solver.cg_max_iterations = 20000;
     Bar bar(def, {16, 4, 4}, 1e6);
-    for (int n = 0; n < 20; ++n) {
+    for (int n = 0; n < 8; ++n) {
         const StepReport report = bar.world.step();
         EXPECT_EQ(report.flags, StepFlag::none);
         EXPECT_LE(report.cg_relative_residual, 1e-8);

@@ -99,7 +99,7 @@ TEST(WorldDrag, TheDefaultSpringBringsASoftBodyToItsTarget) {
             def.solver.rayleigh_mass_1_s = 4;
             def.solver.rayleigh_stiffness_s = 0.02;
         }
-        Bar bar(def, 5e3, {16, 4, 4});
+        Bar bar(def, 5e3, {12, 3, 3});
         const PickHit hit = bar.hit();
         const DragId drag = bar.world.begin_drag(hit);
         bar.world.move_drag(drag, hit.position_m + Vec3(0, 0, 0.03));
