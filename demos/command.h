@@ -13,5 +13,6 @@ void add_record_command(CLI::App& app, int& status);
 void add_bench_command(CLI::App& app, int& status);
 void add_eval_command(CLI::App& app, int& status);
 void add_mesh_command(CLI::App& app, int& status);
+void add_verify_command(CLI::App& app, int& status);
 
 }  // namespace supple::demos
