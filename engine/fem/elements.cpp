@@ -30,7 +30,7 @@ void fill_lists(Assembly& pass, const MatrixLists& lists, double scale, std::spa
 }
 
 /// What elements keep of their lambda beside a NodalVolume, and what goes to the vertices.
-Lame kept(const Lame& lame) { return {std::min(lame.lambda_pa, 2 * lame.mu_pa), lame.mu_pa}; }
+Lame kept(const Lame& lame) { return {std::min(lame.lambda_pa, lame.mu_pa), lame.mu_pa}; }
 
 std::vector<Lame> kept(const std::vector<Lame>& lame, Volumetric volumetric) {
     std::vector<Lame> result = lame;

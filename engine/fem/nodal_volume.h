@@ -10,7 +10,7 @@ namespace supple::fem {
 
 /// Volumetric stiffness at the vertices: the cure for the locking of nearly incompressible linear tetrahedra.
 ///
-/// An element keeps of its lambda no more than 2 mu (Poisson's ratio 1/3); the rest, k = lambda - 2 mu, acts on the mean dilatation of the elements around each vertex,
+/// An element keeps of its lambda no more than mu (Poisson's ratio 1/4); the rest, k = lambda - mu, acts on the mean dilatation of the elements around each vertex,
 ///     W = sum_v (k_v/2) V_v theta_v^2,     theta_v = sum_e (V_e/4) tr(e_e) / V_v,     V_v = sum_e V_e/4,     k_v = sum_e (V_e/4) k_e / V_v,
 /// so that each element feels the pressure p_e = (1/4) sum_v k_v theta_v. With fewer conditions of constant volume than vertices nothing locks; what the elements keep
 /// holds the modes that an average does not see. Exact for a homogeneous strain.
