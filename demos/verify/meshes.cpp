@@ -61,6 +61,34 @@ VolumeMesh shell_octant(Kind kind, int n, int layers, double inner_m, double out
     return welded(patches);
 }
 
+VolumeMesh quarter_tube(Kind kind, int n, int layers, int along, double inner_m, double outer_m, double height_m) {
+    return mapped_box(kind, {layers, n, along}, [=](const Vec3& s) {
+        const double r = inner_m + s.x() * (outer_m - inner_m), a = s.y() * M_PI / 2;
+        return Vec3(r * std::cos(a), r * std::sin(a), s.z() * height_m);
+    });
+}
+
+VolumeMesh cylinder(Kind kind, int n, int along, double radius_m, double height_m) {
+    // The core is a square whose sides bulge; a side's patch runs from it to the circle. Points on the sides are ordered along +x or +y for all, so that the
+    // tets of neighbouring patches cut their common faces alike.
+    const auto core = [=](double u, double v) {  // u, v in [-1, 1]
+        const double half = 0.45 * radius_m, bulge = 0.15;
+        return Vec3(half * u * (1 + bulge * (1 - v * v)), half * v * (1 + bulge * (1 - u * u)), 0);
+    };
+    std::vector<VolumeMesh> patches{mapped_box(kind, {n, n, along}, [&](const Vec3& s) { return Vec3(core(2 * s.x() - 1, 2 * s.y() - 1) + Vec3(0, 0, s.z() * height_m)); })};
+    for (const bool vertical : {false, true}) {
+        for (const double side : {-1.0, 1.0}) {
+            patches.push_back(mapped_box(kind, {n, n, along}, [&](const Vec3& s) {
+                const double w = 2 * s.y() - 1, angle = w * M_PI / 4;
+                const Vec3 inner = vertical ? core(w, side) : core(side, w);
+                const Vec3 outer = radius_m * (vertical ? Vec3(std::sin(angle), side * std::cos(angle), 0) : Vec3(side * std::cos(angle), std::sin(angle), 0));
+                return Vec3(inner + s.x() * (outer - inner) + Vec3(0, 0, s.z() * height_m));
+            }));
+        }
+    }
+    return welded(patches);
+}
+
 VolumeMesh irregular_cube(Kind kind, int cells, double shake, std::uint64_t seed) {
     VolumeMesh mesh = box(kind, {cells, cells, cells}, Vec3::Ones());
     Random random(seed);

@@ -34,6 +34,12 @@ VolumeMesh welded(const std::vector<VolumeMesh>& patches);
 /// The octant x, y, z >= 0 of a spherical shell: three patches of n x n cells over the surface, `layers` through the wall.
 VolumeMesh shell_octant(Kind kind, int n, int layers, double inner_m, double outer_m);
 
+/// A quarter of a hollow cylinder, x, y >= 0, along z: n cells around, `layers` through the wall, `along` over the height.
+VolumeMesh quarter_tube(Kind kind, int n, int layers, int along, double inner_m, double outer_m, double height_m);
+
+/// A solid cylinder around z, from z = 0: a square of n x n cells in four patches of n x n.
+VolumeMesh cylinder(Kind kind, int n, int along, double radius_m, double height_m);
+
 /// The unit cube with its inner vertices shaken by up to `shake` of a cell: no two elements alike.
 VolumeMesh irregular_cube(Kind kind, int cells, double shake, std::uint64_t seed);
 
