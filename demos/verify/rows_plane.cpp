@@ -20,11 +20,11 @@ struct PatchErrors {
 
 /// Boundary vertices at A X + t, the inner ones found: they must follow, with the stress of a homogeneous strain everywhere.
 PatchErrors patch(Kind kind, const Material& material, const Mat3& A, const Settings& settings) {
-    Statics cube(irregular_cube(kind, 4, 0.25, 5), material, {.tolerance = 1e-13, .threads = settings.threads});
+    Statics cube(irregular_cube(kind, 4, 0.25, 5), material, {.tolerance = 1e-10, .threads = settings.threads});
     Mat34 map;
     map << A, Vec3(0.1, -0.2, 0.3);
     cube.move([](const Vec3& X) { return X.minCoeff() < 1e-9 || X.maxCoeff() > 1 - 1e-9; }, {map});
-    cube.world().step();  // a residual of 1e-13 may lie below what rounding lets it reach: the errors decide, not the flags
+    cube.solve();
     PatchErrors errors;
     for (std::size_t i = 0; i < cube.x().size(); ++i)
         errors.position = std::max(errors.position, (cube.x()[i] - (A * cube.mesh().vertices[i] + map.col(3))).norm());
@@ -85,6 +85,9 @@ void cooks_membrane(Table& table, const Settings& settings) {
         const double coarse = cook(kind, n / 2, m, false, settings), fine = cook(kind, n, m, false, settings);
         table.relative("Cook's membrane, plane stress, " + name(kind) + " " + std::to_string(n) + " x " + std::to_string(n) + ": middle of the edge [m/N]", 23.96, fine,
                        kind == Kind::tets ? 0.03 : 0.01, std::log2((23.965 - coarse) / (23.965 - fine)));
+        // Tets lock here unless their volumetric stiffness sits at the vertices; hexahedra have their inner modes.
+        const Material rubber = Linear{.young_pa = 1, .poisson = 0.4999, .volumetric = Volumetric::nodal};
+        table.relative("Cook's membrane, plane strain, nu = .4999, " + name(kind) + " 16 x 16: middle of the edge [m/N]", 18.5, cook(kind, 16, rubber, true, settings), 0.05);
     }
 }
 
@@ -125,7 +128,7 @@ void plate_hole(Table& table, const Settings& settings) {
         plate.solve();
         const double peak = von_mises(plate.stress_at(Vec3(0, 1, 0))) / tension;
         table.relative("plate with a hole, " + name(kind) + ": peak von Mises / tension", 3, peak, 0.03);
-        const auto vertices = plate.world().cauchy_stress(plate.body());
+        const auto vertices = plate.nodal_stress();
         const double error = stress_error(plate.mesh(), vertices, {}, [&](const Vec3& X) -> Mat3 { return tension * kirsch(X); });
         table.below("plate with a hole, " + name(kind) + ": L2 error of the stress", error, 0.03);
     }

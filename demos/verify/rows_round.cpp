@@ -41,7 +41,7 @@ WallErrors wall(Kind kind, int dimension, int n, const Settings& settings) {
     }));
     body.solve();
     const auto exact = [&](const Vec3& X) { return lame_stress(dimension, X); };
-    const auto nodes = body.world().cauchy_stress(body.body()), elements = body.world().element_cauchy_stress(body.body());
+    const auto nodes = body.nodal_stress(), elements = body.world().element_cauchy_stress(body.body());
     WallErrors e;
     e.raw = stress_error(body.mesh(), {}, elements, exact);
     e.recovered = stress_error(body.mesh(), nodes, {}, exact);

@@ -83,6 +83,8 @@ std::size_t Statics::nearest(const Vec3& X) const {
     return best;
 }
 
-Voigt Statics::stress_at(const Vec3& X) const { return world_.cauchy_stress(body_)[nearest(X)]; }
+std::span<const Voigt> Statics::nodal_stress() const { return world_.cauchy_stress(body_); }
+
+Voigt Statics::stress_at(const Vec3& X) const { return nodal_stress()[nearest(X)]; }
 
 }  // namespace supple::verify

@@ -47,7 +47,9 @@ public:
     Vec3 displacement(std::size_t vertex) const { return x()[vertex] - mesh().vertices[vertex]; }
     /// Mean displacement of the selected vertices.
     Vec3 displacement(const Where& where) const;
-    /// Cauchy stress at the vertex nearest to a place.
+    /// Recovered Cauchy stress per vertex, after solve().
+    std::span<const Voigt> nodal_stress() const;
+    /// Recovered Cauchy stress at the vertex nearest to a place.
     Voigt stress_at(const Vec3& X) const;
     std::size_t nearest(const Vec3& X) const;
 
