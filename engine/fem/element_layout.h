@@ -6,6 +6,7 @@
 #include "supple/fem/corners.h"
 #include "supple/fem/hex8.h"
 #include "supple/fem/tet4.h"
+#include "supple/material/material.h"
 #include "supple/mesh/volume_mesh.h"
 
 namespace supple::fem {
@@ -41,12 +42,18 @@ struct ElementLayout {
 /// @param mesh    checked (check_and_repair); @error Error(invalid_argument) for a hexahedron that is folded at an integration point
 ElementLayout make_layout(const VolumeMesh& mesh, std::span<const std::int32_t> family = {});
 
+/// Its vertices: four of a tet, eight of a hex.
+std::span<const std::int32_t> element_vertices(const VolumeMesh& mesh, std::size_t element);
+
 /// Volume of an element that each of its corners carries: a quarter of a tet, the integral of the shape function in a hex [m^3]. They sum to its volume.
 /// @param share  out, 4 or 8 numbers. Returns how many.
 std::size_t corner_volumes(const VolumeMesh& mesh, std::size_t element, double share[8]);
 
 /// Row-sum lumped mass [kg].
 std::vector<double> lumped_mass(const VolumeMesh& mesh, double density_kg_m3);
+
+/// Trace of the diagonal stiffness block of each vertex at rest [N/m] (hexes: by full integration). lame: one per element of the mesh.
+std::vector<double> stiffness_trace(const ElementLayout& layout, std::span<const Lame> lame);
 
 /// Element rotations of a configuration found afresh, without a starting guess: [block][w x y z][lane].
 void seed_rotations(Team& team, const ElementLayout& layout, std::span<const Vec3> positions, AlignedVector<double>& quaternion);

@@ -1,4 +1,4 @@
-#include "supple/fem/elements.h"
+#include "supple/fem/element_groups.h"
 
 #include "supple/base/assert.h"
 #include "supple/fem/element_passes.h"
@@ -10,33 +10,21 @@ namespace supple::fem {
 
 namespace {
 
-/// Rows per chunk of an assembly.
-constexpr std::size_t kRowChunk = 512;
-
-template <class Assembly>
-void fill_lists(Assembly& pass, const MatrixLists& lists, double scale, std::span<const double> shift) {
-    pass.row_start = lists.row_start.data();
-    pass.column = lists.column.data();
-    pass.mirror = lists.mirror.data();
-    pass.contribution_start = lists.contribution_start.data();
-    pass.contribution = lists.contribution.data();
-    pass.stiffness_scale = scale;
-    pass.diagonal_shift = shift.data();
-}
-
 /// Linear elasticity in a frame: small displacements and the corotational methods.
 class FrameTets final : public Elements {
 public:
-    FrameTets(const ElementsDef& def, Frame frame)
-        : def_(def), moduli_(make_moduli(*def.rest, def.lame)), set_{*def.rest, *def.corners, moduli_, tet4_kernels(def.isa), frame} {
-        const std::size_t records = def.rest->blocks() * kBlock * kRecord;
+    FrameTets(const GroupDef& def, const ElementMaterials& materials)
+        : def_(def),
+          moduli_(make_moduli(def.group->tets.blocks(), group_lame(*def.group, materials))),
+          set_{def.group->tets, moduli_, tet4_kernels(def.isa), frame_of(materials.of(std::size_t(def.group->element[0])))} {
+        const std::size_t records = set_.rest.blocks() * kBlock * kRecord;
         if (def.precision == MatrixPrecision::single) record_f_.resize(records);
         if (def.precision == MatrixPrecision::double_) record_d_.resize(records);
         if (def.precision == MatrixPrecision::none) return;
-        laplacian_.assign(def.lists.blocks(), 0.0);
+        laplacian_.assign(def.pattern.blocks(), 0.0);
         for (std::size_t b = 0; b < laplacian_.size(); ++b) {
-            for (std::int64_t i = def.lists.contribution_start[b]; i < def.lists.contribution_start[b + 1]; ++i) {
-                laplacian_[b] += laplacian_entry(*def.rest, moduli_, def.lists.contribution[std::size_t(i)]);
+            for (std::int64_t i = def.contributions.start[b]; i < def.contributions.start[b + 1]; ++i) {
+                laplacian_[b] += laplacian_entry(set_.rest, moduli_, def.contributions.pair[std::size_t(i)]);
             }
         }
     }
@@ -53,9 +41,8 @@ public:
         run_elements(team, set_, pass);
     }
 
-    void product(Team& team, const double* quaternion, std::span<const Vec3> field, AlignedVector<double>& corner,
-                 std::vector<Vec3>& out) override {
-        stiffness_product(team, set_, quaternion, field, corner, out);
+    void product(Team& team, const double* quaternion, const double* field, double* corner_value) override {
+        stiffness_product(team, set_, quaternion, field, corner_value);
     }
 
     void assemble(Team& team, double scale, std::span<const double> shift, float* value) override {
@@ -70,14 +57,14 @@ private:
     void assemble_rows(Team& team, double scale, std::span<const double> shift, const AlignedVector<Real>& record, Real* value, Kernel kernel) {
         SUPPLE_ASSERT(!record.empty());
         Tet4Assembly<Real> pass;
-        fill_lists(pass, def_.lists, scale, shift);
+        fill_lists(pass, def_, scale, shift);
         pass.record = record.data();
         pass.laplacian = laplacian_.data();
         pass.value = value;
-        team.for_range(def_.lists.rows(), kRowChunk, [&](std::size_t begin, std::size_t end) { kernel(pass, begin, end); });
+        team.for_range(def_.pattern.rows(), kAssemblyChunk, [&](std::size_t begin, std::size_t end) { kernel(pass, begin, end); });
     }
 
-    ElementsDef def_;
+    GroupDef def_;
     AlignedVector<double> moduli_;
     ElementSet set_;
     std::vector<double> laplacian_;  ///< [matrix block] sum of mu V g_a.g_b
@@ -88,9 +75,9 @@ private:
 /// Hyperelastic laws in principal stretches.
 class HyperTets final : public Elements {
 public:
-    HyperTets(const ElementsDef& def, HyperParameters parameters)
-        : def_(def), parameters_(std::move(parameters)), kernels_(tet4_hyper_kernels(def.isa)) {
-        const std::size_t lanes = def.rest->blocks() * kBlock;
+    HyperTets(const GroupDef& def, const ElementMaterials& materials)
+        : def_(def), rest_(def.group->tets), parameters_(make_hyper_parameters(*def.group, materials)), kernels_(tet4_hyper_kernels(def.isa)) {
+        const std::size_t lanes = rest_.blocks() * kBlock;
         tangent_.resize(lanes * kTangent);
         if (def.precision == MatrixPrecision::single) block_f_.resize(lanes * kElementBlocks);
         if (def.precision == MatrixPrecision::double_) block_d_.resize(lanes * kElementBlocks);
@@ -98,9 +85,9 @@ public:
 
     void evaluate(Team& team, const double* position, double* quaternion, const ElementOutputs& outputs) override {
         Tet4HyperPass pass;
-        pass.vertex = def_.rest->vertex.data();
-        pass.gradient = def_.rest->gradient.data();
-        pass.volume = def_.rest->volume.data();
+        pass.vertex = rest_.vertex.data();
+        pass.gradient = rest_.gradient.data();
+        pass.volume = rest_.volume.data();
         pass.parameter = parameters_.field.data();
         pass.parameters = parameters_.count;
         pass.position = position;
@@ -115,14 +102,12 @@ public:
             if (!block_d_.empty()) pass.block_d = block_d_.data();
         }
         const auto kernel = kernels_.elements[std::size_t(parameters_.law)];
-        team.for_range(def_.rest->blocks(), kBlockChunk, [&](std::size_t begin, std::size_t end) { kernel(pass, begin, end); });
+        team.for_range(rest_.blocks(), kBlockChunk, [&](std::size_t begin, std::size_t end) { kernel(pass, begin, end); });
     }
 
-    void product(Team& team, const double*, std::span<const Vec3> field, AlignedVector<double>& corner, std::vector<Vec3>& out) override {
-        const Tet4HyperProduct pass{def_.rest->vertex.data(), def_.rest->gradient.data(), def_.rest->volume.data(),
-                                    tangent_.data(),          field.data()->data(),       corner.data()};
-        team.for_range(def_.rest->blocks(), kBlockChunk, [&](std::size_t begin, std::size_t end) { kernels_.product(pass, begin, end); });
-        gather(team, *def_.corners, corner, out);
+    void product(Team& team, const double*, const double* field, double* corner_value) override {
+        const Tet4HyperProduct pass{rest_.vertex.data(), rest_.gradient.data(), rest_.volume.data(), tangent_.data(), field, corner_value};
+        team.for_range(rest_.blocks(), kBlockChunk, [&](std::size_t begin, std::size_t end) { kernels_.product(pass, begin, end); });
     }
 
     void assemble(Team& team, double scale, std::span<const double> shift, float* value) override {
@@ -137,13 +122,14 @@ private:
     void assemble_rows(Team& team, double scale, std::span<const double> shift, const AlignedVector<Real>& block, Real* value, Kernel kernel) {
         SUPPLE_ASSERT(!block.empty());
         BlockAssembly<Real> pass;
-        fill_lists(pass, def_.lists, scale, shift);
+        fill_lists(pass, def_, scale, shift);
         pass.block = block.data();
         pass.value = value;
-        team.for_range(def_.lists.rows(), kRowChunk, [&](std::size_t begin, std::size_t end) { kernel(pass, begin, end); });
+        team.for_range(def_.pattern.rows(), kAssemblyChunk, [&](std::size_t begin, std::size_t end) { kernel(pass, begin, end); });
     }
 
-    ElementsDef def_;
+    GroupDef def_;
+    const Tet4Rest& rest_;
     HyperParameters parameters_;
     const Tet4HyperKernels& kernels_;
     AlignedVector<double> tangent_;
@@ -153,9 +139,7 @@ private:
 
 }  // namespace
 
-std::unique_ptr<Elements> make_elements(const ElementsDef& def, const Material& material) {
-    if (is_hyperelastic(material)) return std::make_unique<HyperTets>(def, make_hyper_parameters(*def.rest, material));
-    return std::make_unique<FrameTets>(def, frame_of(material));
-}
+std::unique_ptr<Elements> make_frame_tets(const GroupDef& def, const ElementMaterials& materials) { return std::make_unique<FrameTets>(def, materials); }
+std::unique_ptr<Elements> make_hyper_tets(const GroupDef& def, const ElementMaterials& materials) { return std::make_unique<HyperTets>(def, materials); }
 
 }  // namespace supple::fem

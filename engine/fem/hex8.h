@@ -2,10 +2,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "supple/base/aligned.h"
 #include "supple/fem/tet4.h"
+#include "supple/material/material.h"
 #include "supple/math/types.h"
 #include "supple/mesh/volume_mesh.h"
 
@@ -32,5 +34,8 @@ struct Hex8Rest {
 
 /// @error Error(invalid_argument) naming the first element (from first_number on) whose Jacobian is not positive at an integration point
 Hex8Rest make_hex_rest(std::span<const Vec3> vertices, std::span<const Hex> hexes, std::span<const std::int32_t> numbers, const std::string& where);
+
+/// Adds the trace of the diagonal stiffness block of each vertex at rest, fully integrated [N/m]. lame: one per element.
+void add_stiffness_trace(const Hex8Rest& rest, std::span<const Lame> lame, std::span<double> trace);
 
 }  // namespace supple::fem

@@ -64,7 +64,7 @@ struct Tet4Assembly {
     const std::uint32_t* contribution = nullptr; ///< element * 16 + corner_of_row * 4 + corner_of_column
     const Real* record = nullptr;
     const double* laplacian = nullptr;           ///< [block] sum of mu V g_a.g_b [N/m]
-    const double* diagonal_shift = nullptr;      ///< [row] added to the diagonal: (1 + h alpha) m
+    const double* diagonal_shift = nullptr;      ///< [row] added to the diagonal: (1 + h alpha) m; null: all is added to what `value` holds
     double stiffness_scale = 1;                  ///< h^2 + h beta
     Real* value = nullptr;                       ///< out [block][column 0..2][x y z 0]
 };

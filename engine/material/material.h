@@ -12,11 +12,18 @@ enum class Rotation {
     svd,    ///< the same rotation, found afresh each time from the singular values of F: forgets every history, however tangled
 };
 
+/// How the stiffness of a hexahedron is made; tetrahedra have one way only. Both cost the same at run time.
+enum class Integration {
+    incompatible,  ///< bending and nearly incompressible matter without locking: twelve inner modes, condensed (fem/hex8_stiffness.h)
+    full,          ///< the trilinear displacements alone: far too stiff in bending and above nu = 0.45; for comparison with other programs
+};
+
 /// Small displacements:  W = mu e:e + lambda/2 tr(e)^2,  e = sym(F) - I. Rotations beyond a few degrees swell the body.
 /// Small strain: shear modulus mu, bulk modulus lambda + 2 mu/3.
 struct Linear {
     double young_pa = 1e5;  ///< Young's modulus, > 0
     double poisson = 0.3;   ///< Poisson's ratio, in (-1, 0.5); plain tets lock above 0.48
+    Integration integration = Integration::incompatible;  ///< of hexahedra
 };
 
 /// Corotational linear elasticity: the same with e = sym(R^T F) - I, R the rotation of the element. For `polar` and `svd` that is
@@ -25,6 +32,7 @@ struct Corotational {
     Rotation rotation = Rotation::polar;
     double young_pa = 1e5;  ///< Young's modulus, > 0
     double poisson = 0.3;   ///< Poisson's ratio, in (-1, 0.5); plain tets lock above 0.48
+    Integration integration = Integration::incompatible;  ///< of hexahedra
 };
 
 // -- hyperelastic laws; energies, sources and inversion: material/laws/<law>.h ---------------------------

@@ -1,0 +1,39 @@
+#pragma once
+#include "supple/fem/elements.h"
+
+namespace supple::fem {
+
+/// Rows per chunk of an assembly.
+inline constexpr std::size_t kAssemblyChunk = 512;
+
+/// What the elements of one group are made from.
+struct GroupDef {
+    const ElementGroup* group = nullptr;
+    MatrixPattern pattern;
+    Contributions contributions;
+    MatrixPrecision precision = MatrixPrecision::none;
+    Isa isa = Isa::scalar;
+    bool project = true;
+};
+
+std::unique_ptr<Elements> make_frame_tets(const GroupDef& def, const ElementMaterials& materials);
+std::unique_ptr<Elements> make_hyper_tets(const GroupDef& def, const ElementMaterials& materials);
+std::unique_ptr<Elements> make_frame_hexes(const GroupDef& def, const ElementMaterials& materials);
+std::unique_ptr<Elements> make_hyper_hexes(const GroupDef& def, const ElementMaterials& materials);
+
+/// Small-strain moduli of a group's elements.
+std::vector<Lame> group_lame(const ElementGroup& group, const ElementMaterials& materials);
+
+/// Fills what Tet4Assembly, BlockAssembly and Hex8Assembly have in common.
+template <class Assembly>
+void fill_lists(Assembly& pass, const GroupDef& def, double scale, std::span<const double> shift) {
+    pass.row_start = def.pattern.row_start.data();
+    pass.column = def.pattern.column.data();
+    pass.mirror = def.pattern.mirror.data();
+    pass.contribution_start = def.contributions.start.data();
+    pass.contribution = def.contributions.pair.data();
+    pass.stiffness_scale = scale;
+    pass.diagonal_shift = shift.empty() ? nullptr : shift.data();
+}
+
+}  // namespace supple::fem
