@@ -256,6 +256,8 @@ void assemble(const BlockAssembly<Real>& pass, std::size_t begin, std::size_t en
         for (std::int32_t block = pass.row_start[row]; block < pass.row_start[row + 1]; ++block) {
             const std::size_t column = std::size_t(pass.column[block]);
             if (column < row) continue;
+            const bool add = pass.diagonal_shift == nullptr;
+            if (add && pass.contribution_start[block] == pass.contribution_start[block + 1]) continue;
             R4 c[3] = {{0, 0, 0, 0}, {0, 0, 0, 0}, {0, 0, 0, 0}}, t[3] = {c[0], c[0], c[0]};
             for (std::int64_t i = pass.contribution_start[block]; i < pass.contribution_start[block + 1]; ++i) {
                 const std::uint32_t pair = pass.contribution[i];
@@ -267,10 +269,14 @@ void assemble(const BlockAssembly<Real>& pass, std::size_t begin, std::size_t en
             Real m[3][3];
             for (int i = 0; i < 3; ++i)
                 for (int j = 0; j < 3; ++j) m[i][j] = scale * (c[j][i] + t[i][j]);
-            if (column == row) {
+            if (column == row && !add) {
                 for (int i = 0; i < 3; ++i) m[i][i] += Real(pass.diagonal_shift[row]);
             }
             Real* value = pass.value + std::size_t(block) * 12;
+            if (add) {
+                for (int i = 0; i < 3; ++i)
+                    for (int j = 0; j < 3; ++j) m[i][j] += value[4 * j + i];
+            }
             Real* mirror = pass.value + std::size_t(pass.mirror[block]) * 12;
             for (int j = 0; j < 3; ++j) {
                 if (column != row) store4(mirror + 4 * j, R4{m[j][0], m[j][1], m[j][2], 0});
