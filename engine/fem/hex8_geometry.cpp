@@ -6,6 +6,7 @@
 
 #include "supple/base/error.h"
 #include "supple/fem/hex8.h"
+#include "supple/fem/hex8_hyper.h"
 
 namespace supple::fem {
 
@@ -96,6 +97,20 @@ HexShape hex_shape(const Hex8Rest& rest, std::size_t element) {
     for (std::size_t a = 1; a < 8; ++a)
         for (std::size_t c = 0; c < 3; ++c) X[a][Eigen::Index(c)] = rest.edge[(element / kBlock * 21 + 3 * (a - 1) + c) * kBlock + element % kBlock];
     return X;
+}
+
+AlignedVector<double> make_hex_points(const Hex8Rest& rest) {
+    AlignedVector<double> points(rest.blocks() * kHexPoints * kHexPoint * kBlock);
+    for (std::size_t i = 0; i < rest.blocks() * kBlock; ++i) {
+        const HexShape X = hex_shape(rest, i);  // free lanes have shapes too
+        for (std::size_t q = 0; q < kHexPoints; ++q) {
+            const HexPoint point = hex_point(X, hex_gauss_point(q));
+            double* to = points.data() + (i / kBlock * kHexPoints + q) * kHexPoint * kBlock + i % kBlock;
+            for (std::size_t n = 0; n < 21; ++n) to[n * kBlock] = point.gradient(Eigen::Index(n / 3 + 1), Eigen::Index(n % 3));
+            to[21 * kBlock] = point.determinant;
+        }
+    }
+    return points;
 }
 
 void add_stiffness_trace(const Hex8Rest& rest, std::span<const Lame> lame, std::span<double> trace) {
