@@ -197,7 +197,7 @@ Computed run(const BodyTemplate& shape, const fem::ElementMaterials& materials, 
     r.corner.resize(layout.places * 4);
     r.energy.resize(layout.blocks * fem::kBlock);
     r.stress.resize(layout.blocks * 6 * fem::kBlock);
-    fem::ElementOutputs outputs{r.corner.data(), r.energy.data(), r.stress.data(), true};
+    fem::ElementOutputs outputs{nullptr, r.corner.data(), r.energy.data(), r.stress.data(), true};
     elements->evaluate(team, x.data()->data(), r.quaternion.data(), outputs);
     r.force.resize(layout.vertices);
     fem::gather_corners(layout.corners, r.corner.data(), 0, layout.vertices, r.force.data());
