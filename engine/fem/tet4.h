@@ -89,7 +89,7 @@ struct Tet4Assembly {
     const Real* record = nullptr;
     const Real* twist = nullptr;                 ///< twist records (Tet4Pass), or null
     const double* laplacian = nullptr;           ///< [block] sum of mu V g_a.g_b [N/m]
-    const double* diagonal_shift = nullptr;      ///< [row] added to the diagonal: (1 + h alpha) m
+    const double* diagonal_shift = nullptr;      ///< [row] added to the diagonal: (1 + h alpha) m; null: all is added to what `value` holds
     double stiffness_scale = 1;                  ///< h^2 + h beta
     Real* value = nullptr;                       ///< out [block][column 0..2][x y z 0]
 };

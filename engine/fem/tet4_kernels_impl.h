@@ -22,16 +22,6 @@ namespace supple::fem {
 inline namespace SUPPLE_ISA {
 namespace {
 
-/// Columns: x along the first edge, z across the plane of the first two, y completes; zero columns where an edge is gone.
-inline Matrix edge_frame(const Vector& first, const Vector& second) {
-    const Lanes one(1.0), tiny(1e-150);
-    const Vector x = (one / larger(root(dot(first, first)), tiny)) * first;
-    const Vector normal = cross(x, second);
-    const Vector z = (one / larger(root(dot(normal, normal)), tiny)) * normal;
-    const Vector y = cross(z, x);
-    return {{{x.x, y.x, z.x}, {x.y, y.y, z.y}, {x.z, y.z, z.z}}};
-}
-
 /// R of an element, and its quaternion. d: current edges from corner 0; g: rest gradients.
 template <Frame frame>
 inline Matrix find_rotation(const Matrix& F, const Vector d[3], const Vector g[3], Quat<Lanes>& q) {
@@ -287,7 +277,9 @@ inline void assemble(const Tet4Assembly<Real>& pass, std::size_t begin, std::siz
         for (std::int32_t block = pass.row_start[row]; block < pass.row_start[row + 1]; ++block) {
             const std::size_t column = std::size_t(pass.column[block]);
             if (column < row) continue;  // written as a mirror
-            const Real shift = Real(pass.stiffness_scale * pass.laplacian[block] + (column == row ? pass.diagonal_shift[row] : 0.0));
+            const bool add = pass.diagonal_shift == nullptr;
+            if (add && pass.contribution_start[block] == pass.contribution_start[block + 1]) continue;
+            const Real shift = Real(pass.stiffness_scale * pass.laplacian[block] + (column == row && !add ? pass.diagonal_shift[row] : 0.0));
             R4 c0 = {0, 0, 0, 0}, c1 = c0, c2 = c0;
             const std::uint32_t* entry = pass.contribution + pass.contribution_start[block];
             const std::uint32_t* const last = pass.contribution + pass.contribution_start[block + 1];
@@ -308,6 +300,11 @@ inline void assemble(const Tet4Assembly<Real>& pass, std::size_t begin, std::siz
             c1[1] += shift;
             c2[2] += shift;
             Real* value = pass.value + std::size_t(block) * 12;
+            if (add) {
+                c0 += load4(value);
+                c1 += load4(value + 4);
+                c2 += load4(value + 8);
+            }
             store4(value, c0);
             store4(value + 4, c1);
             store4(value + 8, c2);

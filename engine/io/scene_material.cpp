@@ -28,11 +28,11 @@ void read_constant_or_array(const JsonNode& node, const BodyTemplate& shape, Rea
 }
 
 void require_material_keys(const JsonNode& node) {
-    require_keys(node, {"law", "rotation", "young_pa", "poisson", "plastic_yield", "plastic_max", "plastic_creep_1_s", "volumetric"},
-                 {"integration", "fibre", "sheet", "fibre_stiffness_pa", "fibre_exponent",
+    require_keys(node, {"law", "rotation", "integration", "young_pa", "poisson", "plastic_yield", "plastic_max", "plastic_creep_1_s", "volumetric"},
+                 {"fibre", "sheet", "fibre_stiffness_pa", "fibre_exponent",
                   "sheet_stiffness_pa", "sheet_exponent", "matrix_regularization", "mu_pa", "lambda_pa", "bulk_pa", "c1_pa", "c2_pa", "c2", "terms",
                   "a_pa", "b"},
-                 "is not available for this law in this build; linear and corotational materials have law, rotation, young_pa, poisson and the plastic keys");
+                 "is not available for this law in this build; linear and corotational materials have law, rotation, integration, young_pa, poisson, volumetric and the plastic keys");
 }
 
 Rotation read_rotation(const JsonNode& node) {
@@ -60,13 +60,16 @@ void read_material(const JsonNode& node, BodyDef& def) {
     if (node.has("volumetric")) {
         elastic.volumetric = node.at("volumetric").choice({"element", "nodal"}) == "nodal" ? Volumetric::nodal : Volumetric::element;
     }
+    if (node.has("integration")) elastic.integration = node.at("integration").choice({"incompatible", "full"}) == "full" ? Integration::full : Integration::incompatible;
     def.material = elastic;
     if (name == "linear") {
         if (node.has("rotation")) node.at("rotation").fail("the linear law has no rotation: it is for small displacements; use \"corotational\"");
         return;
     }
-    def.material = Corotational{node.has("rotation") ? read_rotation(node.at("rotation")) : Rotation::polar, elastic.young_pa, elastic.poisson, elastic.plasticity,
-                                elastic.volumetric};
+    Corotational turned{.young_pa = elastic.young_pa, .poisson = elastic.poisson, .plasticity = elastic.plasticity, .volumetric = elastic.volumetric,
+                        .integration = elastic.integration};
+    if (node.has("rotation")) turned.rotation = read_rotation(node.at("rotation"));
+    def.material = turned;
 }
 
 /// young_pa and poisson of a linear or corotational material.
@@ -90,8 +93,8 @@ void read_region(const JsonNode& node, BodyDef& def) {
     const Linear law = elastic_of(def.material);
     if (node.has("material")) {
         const JsonNode material = node.at("material");
-        if (material.has("law") || material.has("rotation")) {
-            material.at(material.has("law") ? "law" : "rotation").unsupported("a region of this build changes young_pa and poisson, not the law");
+        for (const char* key : {"law", "rotation", "integration"}) {
+            if (material.has(key)) material.at(key).unsupported("a region of this build changes young_pa and poisson, not the law");
         }
         require_material_keys(material);
         if (material.has("young_pa")) {

@@ -30,13 +30,20 @@ enum class Volumetric {
     nodal,    ///< mostly as a mean around each vertex: does not lock, up to 0.4999; two to three times the cost of a solve (fem/nodal_volume.h)
 };
 
+/// How the stiffness of a hexahedron is made; tetrahedra have one way only. Both cost the same at run time.
+enum class Integration {
+    incompatible,  ///< bending and nearly incompressible matter without locking: twelve inner modes, condensed (fem/hex8_stiffness.h)
+    full,          ///< the trilinear displacements alone: far too stiff in bending and above nu = 0.45; for comparison with other programs
+};
+
 /// Small displacements:  W = mu e:e + lambda/2 tr(e)^2,  e = sym(F) - I. Rotations beyond a few degrees swell the body.
 /// Small strain: shear modulus mu, bulk modulus lambda + 2 mu/3.
 struct Linear {
     double young_pa = 1e5;  ///< Young's modulus, > 0
     double poisson = 0.3;   ///< Poisson's ratio, in (-1, 0.5); tets of Volumetric::element lock above 0.48
     Plasticity plasticity{};
-    Volumetric volumetric = Volumetric::element;  ///< tetrahedra only
+    Volumetric volumetric = Volumetric::element;          ///< of tetrahedra
+    Integration integration = Integration::incompatible;  ///< of hexahedra
 };
 
 /// Corotational linear elasticity: the same with e = sym(R^T F) - I, R the rotation of the element. For `polar` and `svd` that is
@@ -46,7 +53,8 @@ struct Corotational {
     double young_pa = 1e5;  ///< Young's modulus, > 0
     double poisson = 0.3;   ///< Poisson's ratio, in (-1, 0.5); tets of Volumetric::element lock above 0.48
     Plasticity plasticity{};
-    Volumetric volumetric = Volumetric::element;  ///< tetrahedra only
+    Volumetric volumetric = Volumetric::element;          ///< of tetrahedra
+    Integration integration = Integration::incompatible;  ///< of hexahedra
 };
 
 /// Derivative of a corotational tetrahedron's force (rotation polar or svd).

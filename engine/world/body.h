@@ -111,10 +111,17 @@ struct StressCache {
 inline constexpr std::int32_t kFree = -1;  ///< owner of a free coordinate
 inline constexpr std::int32_t kHeld = -2;  ///< owner of a coordinate fixed in place; 0.. are prescribed motions
 
+/// How the elements of a body of several families of laws lie.
+struct GroupedLayout {
+    fem::ElementLayout layout;
+    std::vector<solve::GatherMap> gather;  ///< [group]
+};
+
 struct Body {
     BodyDef def;
     std::string name;
     std::shared_ptr<const BodyTemplate> shape;
+    std::unique_ptr<const GroupedLayout> own_layout;  ///< of a body of several families of laws; null: that of its template
 
     // Model: constant during a step.
     std::unique_ptr<fem::Elements> elements;  ///< the law at work; holds the tangent of the current step
@@ -132,6 +139,8 @@ struct Body {
     mutable StressCache stress;
 
     const TemplateData& data() const { return shape->data(); }
+    const fem::ElementLayout& layout() const { return own_layout ? own_layout->layout : data().layout; }
+    std::size_t element_count() const { return layout().elements; }
     std::size_t vertices() const { return mass.size(); }
     bool is_held(std::size_t vertex, std::size_t axis) const { return owner[vertex * 3 + axis] != kFree; }
     bool frozen() const { return state.frozen[0] != 0; }

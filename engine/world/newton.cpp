@@ -147,7 +147,7 @@ bool find_equilibrium(StepContext& ctx, Watch& watch, BodyId id, Body& body, con
             continue;
         }
         w.v0 = w.v_good;
-        fem::seed_rotations(ctx.team, body.data().rest, body.state.x, body.state.quaternion);
+        fem::seed_rotations(ctx.team, body.layout(), body.state.x, body.state.quaternion);
         part /= 2;
         if (part < kSmallestLoadStep) {
             ctx.report.flags |= StepFlag::no_equilibrium;

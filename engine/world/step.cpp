@@ -27,7 +27,7 @@ StepReport do_step(World::Impl& world) noexcept {
     StepReport report;
     Watch watch;
     std::size_t largest = 0;
-    for (const std::uint32_t slot : world.order) largest = std::max(largest, world.slots[slot].body->data().rest.elements);
+    for (const std::uint32_t slot : world.order) largest = std::max(largest, world.slots[slot].body->element_count());
 
     StepContext ctx{world.team_for(largest), world, report, double(world.step + 1) * world.def.time_step_s};
     for (const std::uint32_t slot : world.order) {
@@ -43,7 +43,7 @@ StepReport do_step(World::Impl& world) noexcept {
     }
     ++world.step;
     if (world.def.stress_each_step) {
-        for (const std::uint32_t slot : world.order) update_stress(*world.slots[slot].body, world.team_for(world.slots[slot].body->data().rest.elements));
+        for (const std::uint32_t slot : world.order) update_stress(*world.slots[slot].body, world.team_for(world.slots[slot].body->element_count()));
         watch.lap(ctx, Stage::stress);
     }
     report.step = world.step;

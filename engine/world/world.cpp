@@ -67,12 +67,13 @@ BodyId World::add_body(const BodyDef& def) {
     if (w.def.log) {
         for (const std::string& sentence : body->data().report.sentences()) w.def.log(LogLevel::warning, body->name + ": " + sentence);
         const Lame lame = small_strain(def.material);
-        if (const double poisson = lame.lambda_pa / (2 * (lame.lambda_pa + lame.mu_pa)); poisson > 0.48 + 1e-9 && volumetric_of(def.material) == Volumetric::element) {
+        if (const double poisson = lame.lambda_pa / (2 * (lame.lambda_pa + lame.mu_pa));
+            poisson > 0.48 + 1e-9 && volumetric_of(def.material) == Volumetric::element && !def.shape->mesh().tets.empty()) {
             w.def.log(LogLevel::warning, body->name + ": Poisson's ratio " + to_text(poisson) +
                                              " above 0.48 locks linear tetrahedra: they bend too little; set the material's volumetric to \"nodal\"");
         }
     }
-    if (!w.crew && w.threads > 1 && body->data().rest.elements >= kMinElementsForThreads) w.crew = std::make_unique<Team>(w.threads);
+    if (!w.crew && w.threads > 1 && body->element_count() >= kMinElementsForThreads) w.crew = std::make_unique<Team>(w.threads);
     if (slot == w.slots.size()) w.slots.emplace_back();
     w.slots[slot].body = std::move(body);
     w.order.push_back(slot);
@@ -118,7 +119,7 @@ void World::set_state(BodyId id, std::span<const Vec3> positions_m, std::span<co
     s.x_previous = s.x;
     for (auto* history : {&s.dv1, &s.dv2}) history->assign(body.vertices(), Vec3::Zero());
     s.moving[0] = 0;
-    fem::seed_rotations(impl_->team_for(body.data().rest.elements), body.data().rest, s.x, s.quaternion);
+    fem::seed_rotations(impl_->team_for(body.element_count()), body.layout(), s.x, s.quaternion);
     body.stress.valid = false;
 }
 
@@ -166,7 +167,7 @@ namespace {
 
 const StressCache& stress_of(World::Impl& w, BodyId id) {
     const Body& body = w.body(id);
-    update_stress(body, w.team_for(body.data().rest.elements));
+    update_stress(body, w.team_for(body.element_count()));
     return body.stress;
 }
 

@@ -71,6 +71,8 @@ struct BodyDef {
     std::string name{};                                ///< for messages; "body <index>" if empty
     std::shared_ptr<const BodyTemplate> shape{};       ///< required
     Material material = Corotational{};
+    std::vector<Material> region_materials{};          ///< materials of parts of the body, any laws
+    std::vector<std::int32_t> material_of_element{};   ///< empty, or one per element: 0 is `material`, i is region_materials[i - 1]
     double density_kg_m3 = 1000;                       ///< > 0
     std::vector<double> young_pa_per_element{};        ///< empty, or one per element: overrides material
     std::vector<double> poisson_per_element{};         ///< empty, or one per element: overrides material
