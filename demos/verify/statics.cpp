@@ -25,6 +25,7 @@ Statics::Statics(VolumeMesh mesh, const Material& material, const StaticDef& def
           w.solver.integrator = Integrator::quasi_static;
           w.solver.newton_tolerance = def.tolerance;
           w.solver.preconditioner = def.preconditioner;
+          w.solver.cg_max_iterations = 20000;
           return w;
       }()) {
     body_ = world_.add_body({.shape = BodyTemplate::build(std::move(mesh)), .material = material, .density_kg_m3 = def.density_kg_m3});
