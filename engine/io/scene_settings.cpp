@@ -21,8 +21,11 @@ SolverDef read_solver(const JsonNode& node) {
     if (node.has("cg_max_iterations")) solver.cg_max_iterations = int(node.at("cg_max_iterations").integer(1, 1000000));
     if (node.has("preconditioner")) {
         const std::string kind =
-            node.at("preconditioner").choice({"auto", "block_jacobi"}, {"auto_timed", "scalar_laplacian", "lattice_multigrid", "direct"});
-        solver.preconditioner = kind == "auto" ? PreconditionerKind::automatic : PreconditionerKind::block_jacobi;
+            node.at("preconditioner").choice({"auto", "block_jacobi", "lattice_multigrid", "scalar_laplacian"}, {"auto_timed", "direct"});
+        solver.preconditioner = kind == "auto"                ? PreconditionerKind::automatic
+                                : kind == "block_jacobi"      ? PreconditionerKind::block_jacobi
+                                : kind == "lattice_multigrid" ? PreconditionerKind::lattice_multigrid
+                                                              : PreconditionerKind::scalar_laplacian;
     }
     if (node.has("precision")) {
         solver.precision = node.at("precision").choice({"single", "double"}) == "single" ? Precision::single : Precision::double_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "supple/base/clock.h"
 #include "supple/solve/chunked_sum.h"
 
 namespace supple::solve {
@@ -112,17 +113,25 @@ void LinearSolver<Real>::warm_start(Team& team, const Bsr3<Real>& A, std::span<c
     });
 }
 
-/// A d = r from d = 0 until the recurrence has |r| <= target. Returns the iterations; d_ and r_ hold the result.
+/// A d = r from d = 0 until the recurrence has |r| <= target; d_ and r_ hold the result.
 template <class Real>
-int LinearSolver<Real>::conjugate_gradients(Team& team, const Bsr3<Real>& A, std::span<const AppendedRow> appended,
-                                            Preconditioner<Real>& preconditioner, double target, int max_iterations) {
+void LinearSolver<Real>::conjugate_gradients(Team& team, const Bsr3<Real>& A, std::span<const AppendedRow> appended,
+                                             Preconditioner<Real>& preconditioner, double target, const LinearSolveDef& def,
+                                             LinearSolveResult& result) {
     team.for_range(rows_, kRowChunk, [&](std::size_t begin, std::size_t end) {
         std::fill(d_.begin() + std::ptrdiff_t(begin * 4), d_.begin() + std::ptrdiff_t(end * 4), Real(0));
     });
     double rz = 0;
-    for (int iteration = 0; iteration < max_iterations; ++iteration) {
+    for (int iteration = 0; result.iterations < def.max_iterations; ++iteration) {
+        if (def.deadline_ns != 0 && now_ns() > def.deadline_ns) {
+            result.out_of_time = true;
+            return;
+        }
         const double rz_new = preconditioner.apply(team, r_.data(), z_.data());
-        if (!(rz_new > 0)) return iteration;  // zero residual, or not a number
+        if (!(rz_new > 0)) {  // zero residual, not a number, or a preconditioner that has lost its way
+            result.breakdown = rz_new < 0;
+            return;
+        }
         const Real beta = iteration == 0 ? Real(0) : Real(rz_new / rz);
         rz = rz_new;
         team.for_range(rows_, kRowChunk, [&](std::size_t begin, std::size_t end) {
@@ -133,14 +142,14 @@ int LinearSolver<Real>::conjugate_gradients(Team& team, const Bsr3<Real>& A, std
             }
         });
         const double curvature = multiply(team, A, appended, p_.data(), q_.data());
-        if (!(curvature > 0)) return iteration;  // p = 0 in this precision, or not a number
+        if (!(curvature > 0)) return;  // p = 0 in this precision, or not a number
         const Real alpha = Real(rz / curvature);
         const double rr = sum_over_rows(team, rows_, partial_, [&](std::size_t begin, std::size_t end) {
             return kernels_.advance(alpha, p_.data(), q_.data(), d_.data(), r_.data(), begin, end);
         });
-        if (!(std::sqrt(rr) > target)) return iteration + 1;
+        ++result.iterations;
+        if (!(std::sqrt(rr) > target)) return;
     }
-    return max_iterations;
 }
 
 template <class Real>
@@ -158,7 +167,7 @@ LinearSolveResult LinearSolver<Real>::solve(Team& team, const Bsr3<Real>& A, std
         if (recurrence > def.target && result.iterations < def.max_iterations) {
             // A little below the target: the pass is worth nothing if rounding leaves it a hair above.
             const double goal = std::max(0.9 * def.target, kPassGain<Real> * recurrence);
-            result.iterations += conjugate_gradients(team, A, appended, preconditioner, goal, def.max_iterations - result.iterations);
+            conjugate_gradients(team, A, appended, preconditioner, goal, def, result);
             team.for_range(rows_, kRowChunk, [&](std::size_t begin, std::size_t end) {
                 for (std::size_t i = begin; i < end; ++i) x[i] += Vec3(double(d_[4 * i]), double(d_[4 * i + 1]), double(d_[4 * i + 2]));
             });
@@ -170,7 +179,9 @@ LinearSolveResult LinearSolver<Real>::solve(Team& team, const Bsr3<Real>& A, std
             return s;
         }));
         result.converged = result.residual <= def.target;
-        if (result.converged || result.iterations >= def.max_iterations || !std::isfinite(result.residual)) return result;
+        if (result.converged) result.breakdown = result.out_of_time = false;
+        if (result.converged || result.breakdown || result.out_of_time) return result;
+        if (result.iterations >= def.max_iterations || !std::isfinite(result.residual)) return result;
         if (pass + 1 >= kMaxPasses || result.residual > 0.5 * last_true) {
             result.stalled = true;
             return result;

@@ -7,6 +7,7 @@
 #include "supple/fem/rest.h"
 #include "supple/fem/stress.h"
 #include "supple/solve/chunked_sum.h"
+#include "supple/world/precondition.h"
 
 namespace supple {
 
@@ -101,6 +102,9 @@ std::unique_ptr<Body> make_body(const BodyDef& def, const WorldDef& world, std::
     s.quaternion.assign(data.rest.blocks() * 4 * fem::kBlock, 0.0);
     for (std::size_t b = 0; b < data.rest.blocks(); ++b) std::fill_n(s.quaternion.begin() + std::ptrdiff_t(b * 4 * fem::kBlock), fem::kBlock, 1.0);
     s.frozen.assign(1, 0);
+    s.hierarchy_x = data.mesh.vertices;
+    s.hierarchy_quaternion = s.quaternion;
+    s.solver.assign(kMemoryCount, 0);
     body->start = s;
 
     size_workspace(body->work, data);

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "supple/fem/elements.h"
+#include "supple/solve/lattice_multigrid.h"
 #include "supple/solve/linear_solver.h"
 #include "supple/world/template_data.h"
 #include "supple/world/world.h"
@@ -22,6 +23,9 @@ struct BodyState {
     std::vector<Vec3> reaction;       ///< of supports, last step [N]
     AlignedVector<double> quaternion; ///< [block][w x y z][lane] element rotations: warm start
     std::vector<std::uint8_t> frozen; ///< one entry: 1 after containment
+    std::vector<Vec3> hierarchy_x;    ///< configuration that the frozen preconditioner was built from: positions [m]
+    AlignedVector<double> hierarchy_quaternion;  ///< and element rotations
+    std::vector<std::int32_t> solver; ///< choices of preconditioner: SolverMemory in precondition.h
 
     template <class Self, class F>
     static void for_each_field(Self& s, F&& f) {
@@ -33,6 +37,9 @@ struct BodyState {
         f("reactions", s.reaction);
         f("element rotations", s.quaternion);
         f("frozen flag", s.frozen);
+        f("positions of the frozen preconditioner", s.hierarchy_x);
+        f("rotations of the frozen preconditioner", s.hierarchy_quaternion);
+        f("solver choices", s.solver);
     }
 };
 
@@ -50,7 +57,8 @@ struct System {
     System(const TemplateData& data, Isa isa);
 
     solve::Bsr3<Real> A;
-    std::unique_ptr<solve::Preconditioner<Real>> preconditioner;
+    std::unique_ptr<solve::Preconditioner<Real>> preconditioner;  ///< block-Jacobi, always at hand
+    std::unique_ptr<solve::LatticeMultigrid<Real>> multigrid;     ///< null until it is wanted
     solve::LinearSolver<Real> solver;
 };
 
@@ -92,6 +100,7 @@ struct Body {
     std::vector<PreparedLoad> loads;
     std::vector<std::int32_t> held_rows;    ///< matrix rows with a held coordinate of their own or of a neighbour
     bool supports_changed = true;
+    bool preconditioner_fits = false;  ///< the frozen one was built from state.hierarchy_x and the present supports
 
     BodyState state, start;
     Workspace work;

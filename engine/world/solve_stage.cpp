@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "supple/solve/chunked_sum.h"
+#include "supple/world/precondition.h"
 #include "supple/world/stages.h"
 
 namespace supple {
@@ -159,12 +160,8 @@ bool solve_system(StepContext& ctx, BodyId id, Body& body, double floor, bool fi
             result.converged = true;
             result.residual = free_norm(ctx, body, w.residual);
         } else {
-            with_system(body, [&](auto& system) {
-                system.preconditioner->update(ctx.team, system.A, ctx.world.appended);
-                result = system.solver.solve(
-                    ctx.team, system.A, ctx.world.appended, *system.preconditioner, w.free_rhs, std::span(guesses, first ? 2 : 0), solve_def,
-                    [&](const Vec3*, Vec3* r) { true_residual(ctx, body, r); }, w.dv, w.residual);
-            });
+            result = solve_preconditioned(ctx, body, std::span(guesses, first ? 2 : 0), solve_def,
+                                          [&](const Vec3*, Vec3* r) { true_residual(ctx, body, r); });
         }
         ctx.report.cg_iterations += result.iterations;
         if (!std::isfinite(result.residual)) return false;

@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "supple/base/clock.h"
+#include "supple/world/precondition.h"
 #include "supple/world/stages.h"
 
 namespace supple {
@@ -12,6 +13,8 @@ void lap(StepContext& ctx, Stopwatch& watch, Stage stage) { ctx.report.stage_ms[
 
 void step_body(StepContext& ctx, Stopwatch& watch, BodyId id, Body& body) {
     const SolverDef& def = ctx.world.def.solver;
+    prepare_preconditioner(ctx, body);
+    lap(ctx, watch, Stage::solve);
     prepare_step(ctx, body);
     begin_drags(ctx.world, id);
     const double floor = resting_residual(ctx, body);

@@ -9,6 +9,8 @@ std::string_view name(StepFlag one_bit) {
         case StepFlag::non_finite: return "non_finite";
         case StepFlag::frozen: return "frozen";
         case StepFlag::newton_cap: return "newton_cap";
+        case StepFlag::preconditioner: return "preconditioner";
+        case StepFlag::budget: return "budget";
         case StepFlag::none: break;
     }
     return "none";
@@ -25,6 +27,10 @@ std::string_view cure(StepFlag one_bit) {
                    "then reset() or unfreeze() it";
         case StepFlag::frozen: return "a body frozen by an earlier step waits for reset(), restore() or unfreeze()";
         case StepFlag::newton_cap: return "Newton stopped at newton_iterations before newton_tolerance: raise the one or loosen the other";
+        case StepFlag::preconditioner:
+            return "the frozen preconditioner was no longer positive and block-Jacobi took over: look for slivers in the mesh, or set preconditioner to \"block_jacobi\"";
+        case StepFlag::budget:
+            return "step_budget_us was used up before cg_relative_tolerance: raise the one, loosen the other, or use a coarser mesh";
         case StepFlag::none: break;
     }
     return "all is well";

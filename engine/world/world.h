@@ -26,7 +26,13 @@ enum class LineariseAt {
     current,     ///< x
 };
 
-enum class PreconditionerKind { automatic, block_jacobi };
+/// How the linear solves are sped up. None changes the answer beyond the tolerance.
+enum class PreconditionerKind {
+    automatic,          ///< by size and iteration counts, never by the clock: block-Jacobi where that takes few iterations, else the multigrid
+    block_jacobi,       ///< inverse of each vertex's own block: best for soft bodies and short steps
+    lattice_multigrid,  ///< a frozen hierarchy of lattices that turns with the body: iterations that hardly grow with size and stiffness
+    scalar_laplacian,   ///< Cholesky factor of a scalar matrix, made once: for small meshes full of slivers
+};
 
 struct SolverDef {
     int newton_iterations = 1;             ///< 1..100 linear solves per step
