@@ -115,7 +115,7 @@ struct LatticeMultigrid<Real>::Hierarchy {
     AlignedVector<float> turn;                         ///< [node][column][x y z 0]
     std::vector<std::int32_t> diagonal1;
     // Appended rows of the current step.
-    std::vector<std::int32_t> extra_row, extra_node;
+    std::vector<std::int32_t> extra_row, extra_node, row_slot, node_slot;
     std::vector<Mat3> extra, extra_coarse;
     bool level1_altered = false;
     std::vector<double> partial;
@@ -186,6 +186,7 @@ void LatticeMultigrid<Real>::build(Team& team, const LatticeDef& def, const Bsr3
     for (std::size_t i = 0; i < h.held.size(); ++i) {
         if (h.held[i] != 0 && h.held[i] != 7) h.partly_held.push_back(std::int32_t(i));
     }
+    h.row_slot.assign(pattern_.rows, -1);
     h.partial.resize(row_chunks(pattern_.rows) + pattern_.rows);  // the finest level's chunks are never more than its rows
     h.level.push_back(std::make_unique<PackedLevel>(isa_, pattern_.row_start, pattern_.column));
     h.level[0]->pack(team, A.value.data(), pattern_.diagonal);
@@ -205,6 +206,7 @@ void LatticeMultigrid<Real>::build(Team& team, const LatticeDef& def, const Bsr3
             h.samples = choose_samples(P, def.rotation_of_row);
             for (const auto& ids : h.samples) h.at_build.push_back(mean_rotation(ids, rotation));
             h.turn.resize(nodes * 12);
+            h.node_slot.assign(nodes, -1);
         }
         points = coarser_points(P.node);
         h.transfer.push_back(std::move(P));
@@ -240,15 +242,22 @@ void LatticeMultigrid<Real>::turn(Team& team, RotationLookup rotation) {
 
 namespace {
 
-/// Adds `block` to the entry of `row` in a short list of blocks by row.
-void add_to(std::vector<std::int32_t>& rows, std::vector<Mat3>& blocks, std::int32_t row, const Mat3& block) {
-    const auto at = std::size_t(std::find(rows.begin(), rows.end(), row) - rows.begin());
-    if (at == rows.size()) {
+/// Adds `block` to the entry of `row` in a list of blocks by row; slot [row] says where in the list, -1: nowhere yet.
+void add_to(std::vector<std::int32_t>& slot, std::vector<std::int32_t>& rows, std::vector<Mat3>& blocks, std::int32_t row, const Mat3& block) {
+    std::int32_t& at = slot[std::size_t(row)];
+    if (at < 0) {
+        at = std::int32_t(rows.size());
         rows.push_back(row);
         blocks.push_back(block);
     } else {
-        blocks[at] += block;
+        blocks[std::size_t(at)] += block;
     }
+}
+
+void clear(std::vector<std::int32_t>& slot, std::vector<std::int32_t>& rows, std::vector<Mat3>& blocks) {
+    for (const std::int32_t row : rows) slot[std::size_t(row)] = -1;
+    rows.clear();
+    blocks.clear();
 }
 
 }  // namespace
@@ -256,13 +265,11 @@ void add_to(std::vector<std::int32_t>& rows, std::vector<Mat3>& blocks, std::int
 template <class Real>
 void LatticeMultigrid<Real>::update(Team& team, const Bsr3<Real>& A, std::span<const AppendedRow> appended) {
     Hierarchy& h = *h_;
-    h.extra_row.clear();
-    h.extra.clear();
-    h.extra_node.clear();
-    h.extra_coarse.clear();
+    clear(h.row_slot, h.extra_row, h.extra);
+    clear(h.node_slot, h.extra_node, h.extra_coarse);
     for (const AppendedRow& row : appended) {
         for (std::size_t i = 0; i < row.row.size(); ++i) {
-            add_to(h.extra_row, h.extra, row.row[i], row.weight[i].asDiagonal() * row.stiffness * row.weight[i].asDiagonal());
+            add_to(h.row_slot, h.extra_row, h.extra, row.row[i], row.weight[i].asDiagonal() * row.stiffness * row.weight[i].asDiagonal());
         }
     }
     h.level[0]->pack(team, A.value.data(), pattern_.diagonal, h.extra_row, h.extra);
@@ -276,7 +283,7 @@ void LatticeMultigrid<Real>::update(Team& team, const Bsr3<Real>& A, std::span<c
             Mat3 D;
             for (int c = 0; c < 3; ++c)
                 for (int i = 0; i < 3; ++i) D(i, c) = double(R[4 * c + i]);
-            add_to(h.extra_node, h.extra_coarse, node, double(P.weight[std::size_t(w)]) * D.transpose() * h.extra[k] * D);
+            add_to(h.node_slot, h.extra_node, h.extra_coarse, node, double(P.weight[std::size_t(w)]) * D.transpose() * h.extra[k] * D);
         }
     }
     if (h.extra_node.empty() && !h.level1_altered) return;
