@@ -5,6 +5,7 @@
 #error "only kernel units include this: define SUPPLE_ISA first"
 #endif
 
+#include <cstddef>
 #include <cstdint>
 #if defined(__AVX512F__) && defined(__AVX512BW__)
 #include <immintrin.h>
@@ -39,22 +40,37 @@ inline void store4(Real* p, FourOf<Real> v) { *reinterpret_cast<FourOf<Real>*>(p
 template <int i, class V>
 inline V splat(V v) { return __builtin_shufflevector(v, v, i, i, i, i); }
 
-typedef std::int16_t Short4 __attribute__((vector_size(8)));
+typedef std::int16_t Short8 __attribute__((vector_size(16)));
 typedef std::int32_t Int4 __attribute__((vector_size(16)));
+typedef std::int64_t Long2 __attribute__((vector_size(16)));
 
-/// Four 16-bit integers as floats; aligned to eight bytes.
+/// Four 16-bit integers as floats; aligned to eight bytes, reads sixteen.
 inline Float4 widen4(const std::int16_t* p) {
-    return __builtin_convertvector(*reinterpret_cast<const Short4*>(p), Float4);
+    Short8 v;
+    __builtin_memcpy(&v, p, sizeof v);
+    const Short8 zero = {0, 0, 0, 0, 0, 0, 0, 0};
+    const Int4 high = (Int4)__builtin_shufflevector(zero, v, 0, 8, 1, 9, 2, 10, 3, 11);  // in the upper halves
+    return __builtin_convertvector(high >> 16, Float4);
 }
 
-/// The nearest 16-bit integers of four numbers within +-32767; what lies outside is cut off there.
+/// The nearest 16-bit integers of four numbers; what lies outside +-32767 is cut off there.
 inline void store_rounded4(std::int16_t* p, Float4 v) {
     const Float4 most = {32767, 32767, 32767, 32767};
     v = v < most ? v : most;
     v = v > -most ? v : -most;
-    const float magic = 12582912.0f;  // 1.5 * 2^23: adding it leaves the rounded integer in the low bits
-    const Float4 shifted = v + magic;
-    *reinterpret_cast<Short4*>(p) = __builtin_convertvector((Int4)shifted, Short4);
+    const Float4 shifted = v + 12582912.0f;  // 1.5 * 2^23: leaves the rounded integer in the low bits
+    const Short8 bits = (Short8)shifted;
+    const Long2 low = (Long2)__builtin_shufflevector(bits, bits, 0, 2, 4, 6, 0, 2, 4, 6);
+    __builtin_memcpy(p, &low, 8);
+}
+
+inline Float4 narrow(Float4 v) { return v; }
+inline Float4 narrow(Double4 v) { return __builtin_convertvector(v, Float4); }
+
+/// Twelve numbers times a factor, rounded to 16 bits.
+template <class Real>
+inline void store_rounded12(std::int16_t* to, const Real* from, float factor) {
+    for (std::size_t c = 0; c < 12; c += 4) store_rounded4(to + c, factor * narrow(load4(from + c)));
 }
 
 /// Sum of products of 3x3 blocks with vectors; a block is three columns x y z and a pad, twelve numbers. A row's products go to
@@ -86,6 +102,13 @@ private:
 };
 
 #if defined(__AVX512F__) && defined(__AVX512BW__)
+inline void store_rounded12(std::int16_t* to, const float* from, float factor) {
+    const __m512 v = _mm512_mul_ps(_mm512_maskz_loadu_ps(0x0fff, from), _mm512_set1_ps(factor));
+    const __m256i rounded = _mm512_cvtsepi32_epi16(_mm512_cvtps_epi32(v));
+    _mm_storeu_si128(reinterpret_cast<__m128i*>(to), _mm256_castsi256_si128(rounded));
+    _mm_storel_epi64(reinterpret_cast<__m128i*>(to + 8), _mm256_extracti128_si256(rounded, 1));
+}
+
 /// One multiplication per block: the columns side by side in one register, x y z spread over them.
 template <>
 class BlockSum<float> {

@@ -40,6 +40,21 @@ double multiply(const std::int32_t* row_start, const std::int32_t* column, const
 }
 
 template <class Real>
+void multiply_two(const std::int32_t* row_start, const std::int32_t* column, const Real* value, const Real* x, const Real* u, Real* y, Real* v,
+                  std::size_t begin, std::size_t end) {
+    for (std::size_t row = begin; row < end; ++row) {
+        BlockSum<Real> first, second;
+        for (std::int32_t block = row_start[row]; block < row_start[row + 1]; ++block) {
+            const Real* a = value + std::size_t(block) * 12;
+            first.add(a, x + std::size_t(column[block]) * 4);
+            second.add(a, u + std::size_t(column[block]) * 4);
+        }
+        store4(y + row * 4, first.total());
+        store4(v + row * 4, second.total());
+    }
+}
+
+template <class Real>
 double advance(Real alpha, const Real* p, const Real* q, Real* x, Real* r, std::size_t begin, std::size_t end) {
     double sum = 0;
     for (std::size_t row = begin; row < end; ++row) {
@@ -70,7 +85,7 @@ void turn(Real beta, const Real* z, Real* p, std::size_t begin, std::size_t end)
 }
 
 template <class Real>
-inline constexpr Bsr3Kernels<Real> kKernels{multiply<Real>, advance<Real>, block_diagonal<Real>, turn<Real>};
+inline constexpr Bsr3Kernels<Real> kKernels{multiply<Real>, multiply_two<Real>, advance<Real>, block_diagonal<Real>, turn<Real>};
 
 }  // namespace
 }  // namespace SUPPLE_ISA

@@ -16,6 +16,25 @@ constexpr double kPassGain = sizeof(Real) == 4 ? 1e-5 : 1e-14;
 
 constexpr int kMaxPasses = 8;
 
+/// y += J^T K J x for every row; returns the sum of their x . J^T K J x.
+template <class Real>
+double add_appended(std::span<const AppendedRow> appended, const Real* x, Real* y) {
+    double dot = 0;
+    for (const AppendedRow& extra : appended) {
+        Vec3 mean = Vec3::Zero();
+        for (std::size_t i = 0; i < extra.row.size(); ++i) {
+            const Real* v = x + std::size_t(extra.row[i]) * 4;
+            mean += extra.weight[i].cwiseProduct(Vec3(double(v[0]), double(v[1]), double(v[2])));
+        }
+        const Vec3 force = extra.stiffness * mean;
+        for (std::size_t i = 0; i < extra.row.size(); ++i) {
+            for (int c = 0; c < 3; ++c) y[std::size_t(extra.row[i]) * 4 + std::size_t(c)] += Real(extra.weight[i][c] * force[c]);
+        }
+        dot += mean.dot(force);
+    }
+    return dot;
+}
+
 }  // namespace
 
 template <class Real>
@@ -53,22 +72,10 @@ double LinearSolver<Real>::square(Team& team, const Real* v) {
 template <class Real>
 double LinearSolver<Real>::multiply(Team& team, const Bsr3<Real>& A, std::span<const AppendedRow> appended, const Real* x, Real* y) {
     const Bsr3Pattern& p = *A.pattern;
-    double dot = sum_over_rows(team, rows_, partial_, [&](std::size_t begin, std::size_t end) {
+    const double dot = sum_over_rows(team, rows_, partial_, [&](std::size_t begin, std::size_t end) {
         return kernels_.multiply(p.row_start.data(), p.column.data(), A.value.data(), x, y, begin, end);
     });
-    for (const AppendedRow& extra : appended) {
-        Vec3 mean = Vec3::Zero();
-        for (std::size_t i = 0; i < extra.row.size(); ++i) {
-            const Real* v = x + std::size_t(extra.row[i]) * 4;
-            mean += extra.weight[i].cwiseProduct(Vec3(double(v[0]), double(v[1]), double(v[2])));
-        }
-        const Vec3 force = extra.stiffness * mean;
-        for (std::size_t i = 0; i < extra.row.size(); ++i) {
-            for (int c = 0; c < 3; ++c) y[std::size_t(extra.row[i]) * 4 + std::size_t(c)] += Real(extra.weight[i][c] * force[c]);
-        }
-        dot += mean.dot(force);
-    }
-    return dot;
+    return dot + add_appended(appended, x, y);
 }
 
 /// Leaves in r_ the residual of the best start and adds that start to x. On entry r_ = b.
@@ -76,13 +83,19 @@ template <class Real>
 void LinearSolver<Real>::warm_start(Team& team, const Bsr3<Real>& A, std::span<const AppendedRow> appended,
                                     std::span<const std::span<const Vec3>> guesses, std::span<Vec3> x) {
     if (guesses.empty()) return;
-    // p_ = A g0, q_ = A g1 (through d_): the residuals of 0, g0 and 2 g0 - g1 are r, r - p and r - 2p + q.
-    import(team, guesses[0], d_.data());
-    multiply(team, A, appended, d_.data(), p_.data());
+    // p_ = A g0, q_ = A g1: the residuals of 0, g0 and 2 g0 - g1 are r, r - p and r - 2p + q.
     const bool two = guesses.size() > 1;
+    import(team, guesses[0], d_.data());
     if (two) {
-        import(team, guesses[1], d_.data());
-        multiply(team, A, appended, d_.data(), q_.data());
+        import(team, guesses[1], z_.data());
+        const Bsr3Pattern& p = *A.pattern;
+        team.for_range(rows_, kRowChunk, [&](std::size_t begin, std::size_t end) {
+            kernels_.multiply_two(p.row_start.data(), p.column.data(), A.value.data(), d_.data(), z_.data(), p_.data(), q_.data(), begin, end);
+        });
+        add_appended(appended, z_.data(), q_.data());
+        add_appended(appended, d_.data(), p_.data());
+    } else {
+        multiply(team, A, appended, d_.data(), p_.data());
     }
     const double zero = square(team, r_.data());
     auto residual_square = [&](Real a, Real b) {

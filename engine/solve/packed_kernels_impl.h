@@ -80,9 +80,6 @@ void prolong(const std::int32_t* row_start, const std::int32_t* column, const fl
     }
 }
 
-inline Float4 as_float4(const float* p) { return load4(p); }
-inline Float4 as_float4(const double* p) { return __builtin_convertvector(load4(p), Float4); }
-
 template <class Real>
 void pack(const std::int32_t* row_start, const std::int32_t* column, const Real* A, const float* inverse_scale, std::int16_t* value,
           std::size_t begin, std::size_t end) {
@@ -90,9 +87,7 @@ void pack(const std::int32_t* row_start, const std::int32_t* column, const Real*
         for (std::int32_t block = row_start[row]; block < row_start[row + 1]; ++block) {
             // The same bits above and below the diagonal: the product of the two scales comes first.
             const float factor = 32767.0f * (inverse_scale[row] * inverse_scale[column[block]]);
-            for (std::size_t c = 0; c < 12; c += 4) {
-                store_rounded4(value + std::size_t(block) * 12 + c, factor * as_float4(A + std::size_t(block) * 12 + c));
-            }
+            store_rounded12(value + std::size_t(block) * 12, A + std::size_t(block) * 12, factor);
         }
     }
 }
