@@ -70,6 +70,7 @@ private:
         d.gravity_m_s2 = Vec3(0, -9.81, 0);
         d.time_step_s = 0.01;
         d.threads = options.threads;
+        d.isa = options.isa;
         d.solver.cg_relative_tolerance = tolerance;
         d.solver.preconditioner = preconditioner;
         return d;
@@ -213,6 +214,7 @@ void add_bench_command(CLI::App& app, int& status) {
     command->add_option("scenes", o->scenes, "scene files or demos [bars of 1,536, 12,288 and 98,304 tets]");
     command->add_option("--json", o->json_file, "write everything as JSON");
     command->add_option("--threads", o->show.threads, "threads [those of the scene, or all cores]")->check(CLI::Range(1, 256));
+    add_isa_option(*command, o->show);
     command->add_option("--steps", o->steps, "steps from the start of the scene [100]")->check(CLI::Range(1, 1000000));
     command->add_option("--repeat", o->repeat, "how often the same steps are timed [3]")->check(CLI::Range(1, 10000));
     command->add_flag("--large", o->large, "also the bar of 331,776 tets");

@@ -7,6 +7,7 @@
 #include "supple/fem/elements.h"
 #include "supple/solve/lattice_multigrid.h"
 #include "supple/solve/linear_solver.h"
+#include "supple/solve/scalar_laplacian.h"
 #include "supple/world/template_data.h"
 #include "supple/world/world.h"
 
@@ -59,6 +60,7 @@ struct System {
     solve::Bsr3<Real> A;
     std::unique_ptr<solve::Preconditioner<Real>> preconditioner;  ///< block-Jacobi, always at hand
     std::unique_ptr<solve::LatticeMultigrid<Real>> multigrid;     ///< null until it is wanted
+    std::unique_ptr<solve::ScalarLaplacian<Real>> laplacian;      ///< null until it is wanted
     solve::LinearSolver<Real> solver;
 };
 

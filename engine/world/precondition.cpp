@@ -62,6 +62,15 @@ void build_lattice(StepContext& ctx, Body& body, System<Real>& system) {
     system.multigrid->build(ctx.team, def, system.A, [&](std::int32_t id, double* q) { read_rotation(quaternion, id, q); });
 }
 
+/// False if the matrix has no such factor.
+template <class Real>
+bool build_laplacian(StepContext& ctx, Body& body, System<Real>& system) {
+    AlignedVector<double> quaternion;
+    assemble_build_configuration(ctx, body, quaternion);
+    system.laplacian = std::make_unique<solve::ScalarLaplacian<Real>>(body.vertices());
+    return system.laplacian->build(system.A, held_bits(body));
+}
+
 /// The first choice of `auto`: by size.
 PreconditionerKind first_choice(const Body& body, PreconditionerKind asked) {
     if (body.vertices() < kSmallestForLattice && asked != PreconditionerKind::scalar_laplacian) return PreconditionerKind::block_jacobi;
@@ -126,8 +135,19 @@ void prepare_preconditioner(StepContext& ctx, Body& body) {
     const PreconditionerKind asked = ctx.world.def.solver.preconditioner;
     if (kind_at_work(body) == PreconditionerKind::automatic) set_kind(body, first_choice(body, asked));
     if (body.preconditioner_fits || kind_at_work(body) == PreconditionerKind::block_jacobi) return;
-    with_system(body, [&](auto& system) { build_lattice(ctx, body, system); });
-    body.preconditioner_fits = true;
+    bool good = true;
+    with_system(body, [&](auto& system) {
+        if (kind_at_work(body) == PreconditionerKind::scalar_laplacian) {
+            good = build_laplacian(ctx, body, system);
+        } else {
+            build_lattice(ctx, body, system);
+        }
+    });
+    if (!good) {
+        ctx.report.flags |= StepFlag::preconditioner;
+        set_kind(body, PreconditionerKind::block_jacobi);
+    }
+    body.preconditioner_fits = good;
 }
 
 solve::LinearSolveResult solve_preconditioned(StepContext& ctx, Body& body, std::span<const std::span<const Vec3>> guesses,
@@ -147,14 +167,17 @@ solve::LinearSolveResult solve_preconditioned(StepContext& ctx, Body& body, std:
             }
             return;
         }
-        system.multigrid->turn(ctx.team, rotation);
-        if (automatic && memory[kMemoryTrial] == 0) {
+        const bool lattice = kind_at_work(body) == PreconditionerKind::lattice_multigrid;
+        if (lattice) system.multigrid->turn(ctx.team, rotation);
+        if (!lattice) {
+            result = run(ctx, body, system, *system.laplacian, b, guesses, def, true_residual);
+        } else if (automatic && memory[kMemoryTrial] == 0) {
             solve::LinearSolveDef trial = def;
             trial.max_iterations = std::min(def.max_iterations, kJacobiLimit);
             result = run(ctx, body, system, *system.preconditioner, b, guesses, trial, true_residual);
             memory[kMemoryTrial] = kTrialEvery;
             if (result.converged) return set_kind(body, PreconditionerKind::block_jacobi);
-            if (result.iterations < trial.max_iterations) return;
+            if (result.iterations < trial.max_iterations || result.out_of_time) return;
             go_on(ctx, body, system, *system.multigrid, def, true_residual, result);
         } else {
             result = run(ctx, body, system, *system.multigrid, b, guesses, def, true_residual);

@@ -115,10 +115,18 @@ bool comes_to_rest(StepContext& ctx, Body& body, double rhs_norm, double floor) 
     return false;
 }
 
+void report_residual(StepContext& ctx, const solve::LinearSolveResult& result, double scale) {
+    if (scale > 0) ctx.report.cg_relative_residual = std::max(ctx.report.cg_relative_residual, result.residual / scale);
+}
+
 void report_solve(StepContext& ctx, const solve::LinearSolveResult& result, double scale) {
     if (result.stalled) ctx.report.flags |= StepFlag::residual_stalled;
+    if (result.out_of_time) {
+        ctx.report.flags |= StepFlag::budget;
+        return report_residual(ctx, result, scale);
+    }
     if (!result.converged && !result.stalled) ctx.report.flags |= StepFlag::iteration_cap;
-    if (scale > 0) ctx.report.cg_relative_residual = std::max(ctx.report.cg_relative_residual, result.residual / scale);
+    report_residual(ctx, result, scale);
 }
 
 }  // namespace
@@ -154,6 +162,7 @@ bool solve_system(StepContext& ctx, BodyId id, Body& body, double floor, bool fi
         // Once above the floor, well below it: or the next step would be above it again.
         solve_def.target = std::max(def.cg_relative_tolerance * rhs_norm, rhs_norm > floor ? 0.3 * floor : floor);
         solve_def.max_iterations = def.cg_max_iterations;
+        solve_def.deadline_ns = ctx.deadline_ns;
         const std::span<const Vec3> guesses[2] = {body.state.dv1, body.state.dv2};
         solve::LinearSolveResult result;
         if (comes_to_rest(ctx, body, rhs_norm, floor)) {
@@ -166,6 +175,7 @@ bool solve_system(StepContext& ctx, BodyId id, Body& body, double floor, bool fi
         ctx.report.cg_iterations += result.iterations;
         if (!std::isfinite(result.residual)) return false;
         report_solve(ctx, result, std::max(rhs_norm, floor / def.cg_relative_tolerance));
+        if (result.out_of_time) break;
     } while (cap_drags(ctx, id, body));
     for (std::size_t i = 0; i < body.vertices(); ++i) w.v0[i] += w.dv[i];
     return true;

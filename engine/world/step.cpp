@@ -11,7 +11,14 @@ namespace {
 /// Time since the last lap goes to `stage`.
 void lap(StepContext& ctx, Stopwatch& watch, Stage stage) { ctx.report.stage_ms[std::size_t(stage)] += watch.lap_ms(); }
 
-void step_body(StepContext& ctx, Stopwatch& watch, BodyId id, Body& body) {
+/// When the solves of a body must end: its part of the budget by elements, less what the residual and the integration will take - about
+/// as long as the evaluation took.
+std::int64_t deadline_of(const World::Impl& world, std::int64_t start_ns, double part_done, double evaluation_ms) {
+    if (world.def.solver.step_budget_us == 0) return 0;
+    return start_ns + std::int64_t(world.def.solver.step_budget_us * 1e3 * part_done - evaluation_ms * 1e6);
+}
+
+void step_body(StepContext& ctx, Stopwatch& watch, BodyId id, Body& body, std::int64_t start_ns, double part_done) {
     const SolverDef& def = ctx.world.def.solver;
     prepare_preconditioner(ctx, body);
     lap(ctx, watch, Stage::solve);
@@ -22,7 +29,9 @@ void step_body(StepContext& ctx, Stopwatch& watch, BodyId id, Body& body) {
 
     double first_norm = 0;
     for (int k = 0;; ++k) {
+        const std::int64_t before_ns = now_ns();
         double norm = evaluate_elements(ctx, body, k == 0 && def.linearise_at == LineariseAt::current);
+        ctx.deadline_ns = deadline_of(ctx.world, start_ns, part_done, double(now_ns() - before_ns) * 1e-6);
         lap(ctx, watch, Stage::elements);
         if (!(norm < 1e300)) return contain(ctx, id, body);
         if (def.newton_tolerance > 0) norm = residual_with_drags(ctx, id, body);
@@ -32,6 +41,7 @@ void step_body(StepContext& ctx, Stopwatch& watch, BodyId id, Body& body) {
             ctx.report.flags |= StepFlag::newton_cap;
             break;
         }
+        if ((ctx.report.flags & StepFlag::budget) != StepFlag::none && k > 0) break;
         assemble(ctx, body);
         lap(ctx, watch, Stage::assemble);
         const bool finite = solve_system(ctx, id, body, floor, k == 0);
@@ -50,7 +60,10 @@ void step_body(StepContext& ctx, Stopwatch& watch, BodyId id, Body& body) {
 StepReport do_step(World::Impl& world) noexcept {
     StepReport report;
     Stopwatch watch;
+    const std::int64_t start_ns = now_ns();
     std::size_t largest = 0;
+    double total = 0, done = 0;
+    for (const std::uint32_t slot : world.order) total += double(world.slots[slot].body->data().rest.elements);
     for (const std::uint32_t slot : world.order) largest = std::max(largest, world.slots[slot].body->data().rest.elements);
 
     StepContext ctx{world.team_for(largest), world, report, double(world.step + 1) * world.def.time_step_s};
@@ -63,7 +76,8 @@ StepReport do_step(World::Impl& world) noexcept {
             report.flags |= StepFlag::frozen;
             continue;
         }
-        step_body(ctx, watch, id, body);
+        done += double(body.data().rest.elements);
+        step_body(ctx, watch, id, body, start_ns, done / total);
     }
     ++world.step;
     if (world.def.stress_each_step) {

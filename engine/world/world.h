@@ -10,6 +10,7 @@
 #include "supple/base/id.h"
 #include "supple/base/log.h"
 #include "supple/material/material.h"
+#include "supple/math/isa.h"
 #include "supple/world/body_template.h"
 #include "supple/world/loads.h"
 #include "supple/world/step_report.h"
@@ -42,6 +43,7 @@ struct SolverDef {
     PreconditionerKind preconditioner = PreconditionerKind::automatic;
     Precision precision = Precision::single;
     LineariseAt linearise_at = LineariseAt::prediction;
+    double step_budget_us = 0;             ///< time that a step may take, [0, 1e9]; 0 = as long as it needs. With it results depend on the clock
     double rayleigh_mass_1_s = 0;          ///< alpha of C = alpha M + beta K, [0, 1e6]
     double rayleigh_stiffness_s = 0;       ///< beta, [0, 1e3]
 };
@@ -53,6 +55,7 @@ struct WorldDef {
     int max_catch_up_steps = 4;       ///< advance() does at most so many steps per call, 1..1000
     bool stress_each_step = false;    ///< compute stress inside step() (Stage::stress); otherwise on the first request after it
     SolverDef solver{};
+    std::optional<Isa> isa{};         ///< instruction set of the kernels; empty = the widest that this processor has
     LogSink log{};
 };
 
