@@ -133,7 +133,7 @@ TEST_F(Program, RefusesWrongArguments) {
 
 TEST_F(Program, RefusesWhatItDoesNotCompute) {
     write_scene();
-    expect_refused(supple({"run", "bar.json", "--isa", "avx2"}), "auto");
+    expect_refused(supple({"run", "bar.json", "--isa", "altivec"}), "avx512");
     expect_refused(supple({"run", "bar.json", "--stress", "s.txt", "--strain", "green"}), "corotational");
     expect_refused(supple({"run", "bar.json", "--stress", "s.txt", "--recovery", "spr"}), "volume-weighted");
     expect_refused(supple({"run", "cantilever", "--steps", "1", "--restore", "s.bin"}), "script");
