@@ -55,7 +55,7 @@ std::vector<Lame> lame_of(const BodyDef& def, std::size_t elements) {
 void size_workspace(Workspace& w, const TemplateData& data) {
     const std::size_t n = data.rest.vertices;
     w.corner.resize(data.rest.blocks() * fem::kBlock * 16);
-    for (auto* field : {&w.y, &w.v0, &w.f_ext, &w.b, &w.rhs, &w.free_rhs, &w.dv, &w.residual, &w.product}) field->assign(n, Vec3::Zero());
+    for (auto* field : {&w.y, &w.v0, &w.f_ext, &w.f_dead, &w.b, &w.rhs, &w.free_rhs, &w.dv, &w.residual, &w.product}) field->assign(n, Vec3::Zero());
     w.diagonal.resize(n);
     w.partial.resize(solve::row_chunks(n));
 }

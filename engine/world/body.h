@@ -6,6 +6,7 @@
 
 #include "supple/fem/elements.h"
 #include "supple/solve/linear_solver.h"
+#include "supple/world/prepared_loads.h"
 #include "supple/world/template_data.h"
 #include "supple/world/world.h"
 
@@ -36,13 +37,6 @@ struct BodyState {
     }
 };
 
-/// A load made ready: force on vertex[i] = weight[i] * value(t).
-struct PreparedLoad {
-    std::vector<std::int32_t> vertex;
-    std::vector<double> weight;
-    Timeline<Vec3> value;
-};
-
 /// Matrix and solver of one body in one precision.
 template <class Real>
 struct System {
@@ -60,6 +54,7 @@ struct Workspace {
     std::vector<Vec3> y;              ///< where forces are evaluated
     std::vector<Vec3> v0;             ///< velocity that the linear solve corrects
     std::vector<Vec3> f_ext;          ///< gravity and loads
+    std::vector<Vec3> f_dead;         ///< of these, what does not follow the body; kept only where something does
     std::vector<Vec3> b, rhs, free_rhs;  ///< right-hand side; with drag springs; with held coordinates zeroed
     std::vector<Vec3> dv, residual, product;
     std::vector<double> diagonal;     ///< mass part of the matrix
@@ -89,7 +84,7 @@ struct Body {
     std::vector<double> stiffness_trace;  ///< of each vertex's diagonal block at rest [N/m]
     std::vector<std::int32_t> owner;  ///< [vertex * 3 + axis] kFree, kHeld, or an index into motions
     std::vector<Motion> motions;
-    std::vector<PreparedLoad> loads;
+    PreparedLoads loads;
     std::vector<std::int32_t> held_rows;    ///< matrix rows with a held coordinate of their own or of a neighbour
     bool supports_changed = true;
 

@@ -45,10 +45,11 @@ void prepare_step(StepContext& ctx, Body& body) {
             }
         }
     });
-    for (const PreparedLoad& load : body.loads) {
-        const Vec3 value = load.value.at(ctx.time_s);
-        for (std::size_t i = 0; i < load.vertex.size(); ++i) w.f_ext[std::size_t(load.vertex[i])] += load.weight[i] * value;
-    }
+    body.loads.add_dead(ctx.time_s, w.f_ext);
+    if (!body.loads.any_follower()) return;
+    std::copy(w.f_ext.begin(), w.f_ext.end(), w.f_dead.begin());
+    for (std::size_t i = 0; i < body.vertices(); ++i) w.y[i] = body.state.x[i] + def.time_step_s * w.v0[i];
+    body.loads.add_followers(ctx.team, ctx.time_s, w.y, w.f_ext);
 }
 
 double evaluate_elements(StepContext& ctx, Body& body, bool at_current) {
@@ -61,6 +62,10 @@ double evaluate_elements(StepContext& ctx, Body& body, bool at_current) {
     ctx.team.for_range(body.vertices(), kRowChunk, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) w.y[i] = at_current ? s.x[i] : Vec3(s.x[i] + h * w.v0[i]);
     });
+    if (body.loads.any_follower()) {
+        std::copy(w.f_dead.begin(), w.f_dead.end(), w.f_ext.begin());
+        body.loads.add_followers(ctx.team, ctx.time_s, w.y, w.f_ext);
+    }
     fem::ElementOutputs outputs;
     outputs.corner_force = w.corner.data();
     outputs.tangent = true;

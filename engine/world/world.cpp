@@ -176,6 +176,7 @@ Energy World::energy() const {
     for (const BodyId id : bodies()) {
         energy.elastic_j += stress_of(*impl_, id).energy_j;
         const Body& body = impl_->body(id);
+        energy.loads_j += body.loads.dead_potential_j(impl_->time_s(), body.state.x, body.start.x);
         for (std::size_t i = 0; i < body.vertices(); ++i) {
             energy.kinetic_j += 0.5 * body.mass[i] * body.state.v[i].squaredNorm();
             energy.gravity_j -= body.mass[i] * impl_->def.gravity_m_s2.dot(body.state.x[i]);

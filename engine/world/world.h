@@ -63,7 +63,8 @@ struct BodyDef {
 
 struct Energy {
     double kinetic_j = 0, elastic_j = 0, gravity_j = 0;  ///< gravity: -sum m g.x, zero at the origin
-    double total_j() const { return kinetic_j + elastic_j + gravity_j; }
+    double loads_j = 0;  ///< dead loads: -sum f.(x - start position), zero at the start; what follows the body has no potential here
+    double total_j() const { return kinetic_j + elastic_j + gravity_j + loads_j; }
 };
 
 struct PickHit {
