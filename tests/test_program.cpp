@@ -104,7 +104,7 @@ TEST_F(Program, ListsItsDemos) {
 }
 
 TEST_F(Program, HelpIsNoError) {
-    for (const std::string command : {"list", "run", "record", "bench", "eval", "mesh"}) {
+    for (const std::string command : {"list", "run", "record", "bench", "eval", "inspect", "mesh"}) {
         const Result r = supple({command, "--help"});
         EXPECT_EQ(r.status, 0) << command;
         EXPECT_NE(r.out.find(command), std::string::npos) << r.out;
@@ -134,8 +134,9 @@ TEST_F(Program, RefusesWrongArguments) {
 TEST_F(Program, RefusesWhatItDoesNotCompute) {
     write_scene();
     expect_refused(supple({"run", "bar.json", "--isa", "avx2"}), "auto");
-    expect_refused(supple({"run", "bar.json", "--stress", "s.txt", "--strain", "green"}), "corotational");
-    expect_refused(supple({"run", "bar.json", "--stress", "s.txt", "--recovery", "spr"}), "volume-weighted");
+    expect_refused(supple({"run", "bar.json", "--stress", "s.txt", "--strain", "cauchy"}), "corotational");
+    expect_refused(supple({"run", "bar.json", "--stress", "s.txt", "--recovery", "mean"}), "volume-weighted");
+    expect_refused(supple({"run", "bar.json", "--probes", "nowhere/p.csv"}), "nowhere");
     expect_refused(supple({"run", "cantilever", "--steps", "1", "--restore", "s.bin"}), "script");
     EXPECT_FALSE(fs::exists(path("s.txt")));
 }

@@ -53,6 +53,11 @@ public:
         run_elements(team, set_, pass);
     }
 
+    std::optional<Lame> lame(std::size_t element) const override {
+        const double* m = moduli_.data() + element / kBlock * 2 * kBlock + element % kBlock;
+        return Lame{m[0], m[kBlock]};
+    }
+
     void product(Team& team, const double* quaternion, std::span<const Vec3> field, AlignedVector<double>& corner,
                  std::vector<Vec3>& out) override {
         stiffness_product(team, set_, quaternion, field, corner, out);
@@ -117,6 +122,8 @@ public:
         const auto kernel = kernels_.elements[std::size_t(parameters_.law)];
         team.for_range(def_.rest->blocks(), kBlockChunk, [&](std::size_t begin, std::size_t end) { kernel(pass, begin, end); });
     }
+
+    std::optional<Lame> lame(std::size_t) const override { return {}; }
 
     void product(Team& team, const double*, std::span<const Vec3> field, AlignedVector<double>& corner, std::vector<Vec3>& out) override {
         const Tet4HyperProduct pass{def_.rest->vertex.data(), def_.rest->gradient.data(), def_.rest->volume.data(),

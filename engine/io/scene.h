@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "supple/world/probe.h"
 #include "supple/world/world.h"
 
 namespace supple::io {
@@ -22,6 +23,7 @@ struct SceneBody {
     std::vector<Support> fixed;
     std::vector<Motion> prescribed;
     std::vector<Load> loads;
+    std::vector<ProbeDef> probes;
 };
 
 /// A scene file, read and validated.
@@ -43,7 +45,8 @@ struct Scene {
 ///             material {law, rotation, young_pa, poisson}, regions [{<selection>, material {young_pa, poisson}, stiffness_factor}],
 ///             fixed [{<selection>, axes}], prescribed [{<selection>, axes, displacement_m | velocity_m_s | affine, times_s}],
 ///             loads [{<selection>, force_n | force_per_vertex_n | traction_pa | pressure_pa (follower: true) | moment_nm
-///                    (axis: [x, y, z], follower: true) | body_force_n_m3, times_s}]}]
+///                    (axis: [x, y, z], follower: true) | body_force_n_m3, times_s}],
+///             probes [{<selection>, name, threshold_pa, threshold_m, strain}]}]
 ///
 /// <selection> is one of "box": {min_m, max_m}, "sphere": {centre_m, radius_m}, "vertices": [ids from 0], "group": "name", "all": true, or
 /// "selection": one of these or "all"; an entry of `fixed` may be the word "all" alone. Boxes and spheres are closed and look at the scaled

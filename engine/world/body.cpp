@@ -62,6 +62,19 @@ void size_workspace(Workspace& w, const TemplateData& data) {
 
 }  // namespace
 
+std::unique_ptr<fem::Elements> make_body_elements(const Body& body, fem::MatrixPrecision precision, Isa isa, bool project) {
+    const TemplateData& data = body.data();
+    fem::ElementsDef elements;
+    elements.rest = &data.rest;
+    elements.corners = &data.corners;
+    elements.lists = {data.pattern.row_start, data.pattern.column, data.pattern.mirror, data.gather.start, data.gather.pair};
+    elements.precision = precision;
+    elements.isa = isa;
+    elements.lame = lame_of(body.def, data.rest.elements);
+    elements.project = project;
+    return fem::make_elements(elements, body.def.material);
+}
+
 std::unique_ptr<Body> make_body(const BodyDef& def, const WorldDef& world, std::size_t index, Isa isa) {
     if (!def.shape) bad_body("shape", "is null; make one with BodyTemplate::build(mesh)");
     if (!(std::isfinite(def.density_kg_m3) && def.density_kg_m3 > 0)) {
@@ -77,14 +90,7 @@ std::unique_ptr<Body> make_body(const BodyDef& def, const WorldDef& world, std::
     const TemplateData& data = body->data();
     const std::size_t n = data.rest.vertices;
     const std::vector<Lame> lame = lame_of(def, data.rest.elements);
-    fem::ElementsDef elements;
-    elements.rest = &data.rest;
-    elements.corners = &data.corners;
-    elements.lists = {data.pattern.row_start, data.pattern.column, data.pattern.mirror, data.gather.start, data.gather.pair};
-    elements.precision = world.solver.precision == Precision::single ? fem::MatrixPrecision::single : fem::MatrixPrecision::double_;
-    elements.isa = isa;
-    elements.lame = lame;
-    body->elements = fem::make_elements(elements, def.material);
+    body->elements = make_body_elements(*body, world.solver.precision == Precision::single ? fem::MatrixPrecision::single : fem::MatrixPrecision::double_, isa, true);
     body->mass = fem::lumped_mass(data.rest, def.density_kg_m3);
     body->stiffness_trace = fem::stiffness_trace(data.rest, fem::make_moduli(data.rest, lame));
     body->owner.assign(3 * n, kFree);

@@ -64,7 +64,7 @@ struct Workspace {
 /// Stress of the current positions, made on request.
 struct StressCache {
     bool valid = false;
-    std::vector<Voigt> element, vertex;
+    std::vector<Voigt> element, vertex, scratch;
     std::vector<double> element_von_mises, vertex_von_mises;
     AlignedVector<double> quaternion, block_stress, block_energy;
     double energy_j = 0;
@@ -124,6 +124,8 @@ struct Drag {
 
 /// @error Error(invalid_argument) naming the field of BodyDef
 std::unique_ptr<Body> make_body(const BodyDef& def, const WorldDef& world, std::size_t index, Isa isa);
+/// The elements of a body's law and moduli, afresh.
+std::unique_ptr<fem::Elements> make_body_elements(const Body& body, fem::MatrixPrecision precision, Isa isa, bool project);
 /// Fills body.stress from the current positions, unless it is valid.
 void update_stress(const Body& body, Team& team);
 

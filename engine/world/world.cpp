@@ -151,6 +151,7 @@ void World::set_gravity(const Vec3& gravity_m_s2) {
 }
 
 std::span<const Vec3> World::positions(BodyId id) const { return impl_->body(id).state.x; }
+std::vector<Vec3> World::start_positions(BodyId id) const { return impl_->body(id).start.x; }
 std::span<const Vec3> World::previous_positions(BodyId id) const { return impl_->body(id).state.x_previous; }
 std::span<const Vec3> World::velocities(BodyId id) const { return impl_->body(id).state.v; }
 std::span<const double> World::masses(BodyId id) const { return impl_->body(id).mass; }

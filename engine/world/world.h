@@ -13,6 +13,7 @@
 #include "supple/world/body_template.h"
 #include "supple/world/loads.h"
 #include "supple/world/step_report.h"
+#include "supple/world/stress.h"
 
 namespace supple {
 
@@ -123,6 +124,7 @@ public:
 
     // -- results --------------------------------------------------------------------------------------
     std::span<const Vec3> positions(BodyId body) const;           ///< [m]
+    std::vector<Vec3> start_positions(BodyId body) const;         ///< where reset() puts it [m]
     std::span<const Vec3> previous_positions(BodyId body) const;  ///< before the last step: for interpolation [m]
     std::span<const Vec3> velocities(BodyId body) const;          ///< [m/s]
     std::span<const double> masses(BodyId body) const;            ///< lumped [kg]
@@ -130,6 +132,9 @@ public:
     std::span<const Voigt> cauchy_stress(BodyId body) const;      ///< per vertex [Pa]
     std::span<const double> element_von_mises(BodyId body) const; ///< per element [Pa]
     std::span<const Voigt> element_cauchy_stress(BodyId body) const;
+    /// Tensor, von Mises and principal stresses at vertices or elements by the strain and the recovery of `def`: any element, any law.
+    StressField stress(BodyId body, const StressDef& def = {}) const;
+    void stress(BodyId body, const StressDef& def, StressField& out) const;  ///< the same into arrays that are kept: allocates only to grow
     Energy energy() const;
     Vec3 reaction_n(BodyId body) const;      ///< force of the supports and prescribed motions on the body in the last step [N]
     Vec3 reaction_n() const;                 ///< the same, all bodies
@@ -155,6 +160,7 @@ public:
     struct Impl;  ///< private to world/
 
 private:
+    friend class Inspector;
     std::unique_ptr<Impl> impl_;
 };
 
