@@ -129,7 +129,9 @@ Answer solve(const Problem& p, const Material& material, int iterations) {
         const Eigen::SparseLU<Eigen::SparseMatrix<double>> lu(K);
         const Eigen::VectorXd du = lu.solve(b);
         for (std::size_t v = 0; v < n; ++v) x[v] += du.segment<3>(Eigen::Index(3 * v));
-        if (k + 1 == iterations) EXPECT_LT(du.norm(), iterations > 1 ? 1e-10 : HUGE_VAL) << "Newton has converged";
+        if (k + 1 == iterations) {
+            EXPECT_LT(du.norm(), iterations > 1 ? 1e-10 : HUGE_VAL) << "Newton has converged";
+        }
     }
     Answer answer;
     for (std::size_t v = 0; v < n; ++v) answer.displacement.push_back(x[v] - p.mesh.vertices[v]);
@@ -137,17 +139,31 @@ Answer solve(const Problem& p, const Material& material, int iterations) {
     return answer;
 }
 
-void compare(const Problem& p, const Material& material, bool nonlinear, int iterations) {
-    if (std::system("command -v ccx > /dev/null 2>&1") != 0) {
-        std::printf("skipped: no ccx on the PATH (apt-get install calculix-ccx); nothing was compared with CalculiX\n");
-        GTEST_SKIP();
+/// One step of the static integrator.
+Answer step(const Problem& p, const Material& material) {
+    WorldDef def;
+    def.gravity_m_s2 = Vec3::Zero();
+    def.threads = 1;
+    def.solver.integrator = Integrator::quasi_static;
+    def.solver.newton_tolerance = 1e-10;
+    def.solver.cg_relative_tolerance = 1e-12;
+    def.solver.precision = Precision::double_;
+    World world(def);
+    const BodyId body = world.add_body({.shape = BodyTemplate::build(p.mesh), .material = material});
+    VertexList held;
+    for (std::size_t v = 0; v < p.held.size(); ++v) {
+        if (p.held[v]) held.vertices.push_back(std::int32_t(v));
+        if (p.force[v].norm() > 0) world.add_load(body, {VertexList{{std::int32_t(v)}}, LoadKind::force_per_vertex, {{}, {p.force[v]}}});
     }
-    const fs::path folder = fs::temp_directory_path() / ("supple_ccx_" + std::to_string(getpid()) + (nonlinear ? "_n" : "_l"));
-    fs::create_directories(folder);
-    write_input(folder / "block.inp", p, nonlinear);
-    ASSERT_EQ(std::system(("cd '" + folder.string() + "' && OMP_NUM_THREADS=1 ccx block > log.txt 2>&1").c_str()), 0);
-    const Answer theirs = read_answer(folder / "block.dat", p), ours = solve(p, material, iterations);
-    fs::remove_all(folder);
+    world.fix(body, held);
+    EXPECT_EQ(world.step().flags, StepFlag::none);
+    Answer answer;
+    for (std::size_t v = 0; v < p.held.size(); ++v) answer.displacement.push_back(world.positions(body)[v] - p.mesh.vertices[v]);
+    answer.stress = world.stress(body, {.at = StressAt::element}).cauchy_pa;
+    return answer;
+}
+
+void expect_same(const Answer& ours, const Answer& theirs, const char* who) {
     double largest = 0, difference = 0, stress = 0, stress_difference = 0;
     for (std::size_t v = 0; v < ours.displacement.size(); ++v) {
         largest = std::max(largest, ours.displacement[v].norm());
@@ -160,10 +176,26 @@ void compare(const Problem& p, const Material& material, bool nonlinear, int ite
             stress_difference = std::max(stress_difference, std::abs(ours.stress[e][c] - theirs.stress[e][c]));
         }
     }
-    std::printf("CalculiX: largest displacement %.4g m, differing by %.2g of it; stresses by %.2g of the largest\n", largest, difference / largest, stress_difference / stress);
+    std::printf("CalculiX against %s: largest displacement %.4g m, differing by %.2g of it; stresses by %.2g of the largest\n", who, largest, difference / largest,
+                stress_difference / stress);
     EXPECT_GT(largest, 1e-4);
     EXPECT_LT(difference, 1e-5 * largest);
     EXPECT_LT(stress_difference, 1e-5 * stress);
+}
+
+void compare(const Problem& p, const Material& material, bool nonlinear, int iterations) {
+    if (std::system("command -v ccx > /dev/null 2>&1") != 0) {
+        std::printf("skipped: no ccx on the PATH (apt-get install calculix-ccx); nothing was compared with CalculiX\n");
+        GTEST_SKIP();
+    }
+    const fs::path folder = fs::temp_directory_path() / ("supple_ccx_" + std::to_string(getpid()) + (nonlinear ? "_n" : "_l"));
+    fs::create_directories(folder);
+    write_input(folder / "block.inp", p, nonlinear);
+    ASSERT_EQ(std::system(("cd '" + folder.string() + "' && OMP_NUM_THREADS=1 ccx block > log.txt 2>&1").c_str()), 0);
+    const Answer theirs = read_answer(folder / "block.dat", p);
+    fs::remove_all(folder);
+    expect_same(solve(p, material, iterations), theirs, "the exported matrices");
+    expect_same(step(p, material), theirs, "the static integrator");
 }
 
 TEST(SlowCalculix, LinearElasticityOfAShakenBlock) { compare(make_problem(2), Linear{kYoung, kPoisson}, false, 1); }

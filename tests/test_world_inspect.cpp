@@ -172,14 +172,14 @@ TEST(WorldInspect, AddsWithFactorAndOffsetIntoTheCallersMatrix) {
     Eigen::SparseMatrix<double> sparse(n + 5, n + 7);
     sparse.coeffRef(0, 0) = 4;
     MatX dense = MatX::Constant(n + 5, n + 7, 1.5);
-    inspector.add(SystemMatrix::stiffness, -2, 5, 7, sparse);
-    inspector.add(SystemMatrix::stiffness, -2, 5, 7, dense);
+    inspector.add_to(SystemMatrix::stiffness, -2, 5, 7, sparse);
+    inspector.add_to(SystemMatrix::stiffness, -2, 5, 7, dense);
     EXPECT_EQ(sparse.coeff(0, 0), 4);
     EXPECT_LT((MatX(sparse).bottomRightCorner(n, n) + 2 * K).norm(), 1e-12 * K.norm());
     EXPECT_LT((dense.bottomRightCorner(n, n) - MatX::Constant(n, n, 1.5) + 2 * K).norm(), 1e-12 * K.norm());
     EXPECT_EQ(dense(4, 6), 1.5);
-    EXPECT_THROW(inspector.add(SystemMatrix::mass, 1, 6, 7, sparse), Error);
-    EXPECT_THROW(inspector.add(SystemMatrix::mass, 1, -1, 0, dense), Error);
+    EXPECT_THROW(inspector.add_to(SystemMatrix::mass, 1, 6, 7, sparse), Error);
+    EXPECT_THROW(inspector.add_to(SystemMatrix::mass, 1, -1, 0, dense), Error);
     EXPECT_THROW(inspector.element(inspector.element_count()), Error);
 }
 
@@ -217,8 +217,8 @@ TEST(WorldInspect, VertexRotationsAndBoundingBox) {
 
 TEST(WorldSelfTest, EveryLawPasses) {
     for (const Material& law : all_laws()) {
-        const DerivativeCheck check = check_derivatives(law, 150);
-        EXPECT_EQ(check.samples, 150u) << law.index();
+        const DerivativeCheck check = check_derivatives(law, 60);
+        EXPECT_EQ(check.samples, 60u) << law.index();
         EXPECT_LT(check.force_error, 1e-6) << law.index() << "\n" << check.worst_force_at;
         EXPECT_LT(check.tangent_error, 1e-5) << law.index() << "\n" << check.worst_tangent_at;
         EXPECT_TRUE(check.passed());

@@ -1,6 +1,7 @@
 // Pressures, moments and the energy of loads, against closed forms.
 #include <gtest/gtest.h>
 
+#include "supple/world/evaluate.h"
 #include "supple/world/prepared_loads.h"
 #include "support/bodies.h"
 
@@ -269,6 +270,30 @@ TEST(WorldFollowers, SameBitsForAnyNumberOfThreads) {
     }
     EXPECT_EQ(hashes[0], hashes[1]);
     EXPECT_EQ(hashes[0], hashes[2]);
+}
+
+TEST(WorldFollowers, TheStaticIntegratorFindsTheirEquilibrium) {
+    WorldDef def;
+    def.threads = 1;
+    def.gravity_m_s2 = Vec3::Zero();
+    def.solver.integrator = Integrator::quasi_static;
+    def.solver.newton_tolerance = 1e-8;
+    def.solver.precision = Precision::double_;
+    World world(def);
+    const Material law = NeoHookean{};
+    const BodyId body = world.add_body({.shape = test::bar({8, 2, 2}), .material = law});
+    world.fix(body, test::at_x(0));
+    const Load push = pressure(InsideBox{{-1, 0.1 - 1e-9, -1}, {1, 1, 1}}, 200, true);
+    world.add_load(body, push);
+    ASSERT_EQ(world.step().flags, StepFlag::none);
+    const std::vector<Vec3> x = test::copy(world.positions(body));
+    EXPECT_LT(x.back().y(), 0.08) << "it bends a long way";
+    const auto outer = forces(world.shape(body), push, x), inner = evaluate(world.shape(body), law, x).forces_n;
+    double left = 0;
+    for (std::size_t i = 0; i < x.size(); ++i) {
+        if (world.shape(body).mesh().vertices[i].x() > 1e-9) left += (outer[i] + inner[i]).norm();
+    }
+    EXPECT_LT(left, 1e-5 * size_of(outer));
 }
 
 TEST(WorldFollowers, ClearingTheLoadsEndsThem) {

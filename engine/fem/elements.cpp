@@ -1,5 +1,7 @@
 #include "supple/fem/elements.h"
 
+#include <cmath>
+
 #include "supple/base/assert.h"
 #include "supple/fem/element_passes.h"
 #include "supple/fem/hyper_parameters.h"
@@ -27,11 +29,23 @@ void fill_lists(Assembly& pass, const MatrixLists& lists, double scale, std::spa
 /// Linear elasticity in a frame: small displacements and the corotational methods.
 class FrameTets final : public Elements {
 public:
-    FrameTets(const ElementsDef& def, Frame frame)
-        : def_(def), moduli_(make_moduli(*def.rest, def.lame)), set_{*def.rest, *def.corners, moduli_, tet4_kernels(def.isa), frame} {
-        const std::size_t records = def.rest->blocks() * kBlock * kRecord;
-        if (def.precision == MatrixPrecision::single) record_f_.resize(records);
-        if (def.precision == MatrixPrecision::double_) record_d_.resize(records);
+    FrameTets(const ElementsDef& def, const Material& material)
+        : def_(def),
+          moduli_(make_moduli(*def.rest, def.lame)),
+          set_{*def.rest, *def.corners, moduli_, tet4_kernels(def.isa), frame_of(material)},
+          plasticity_(plasticity_of(material)) {
+        const std::size_t lanes = def.rest->blocks() * kBlock;
+        const bool exact = def.exact_rotation && (set_.frame == Frame::polar || set_.frame == Frame::svd);
+        if (exact) twist_.resize(lanes * 6);
+        if (plasticity_.flows()) flow_.resize(lanes * kFlowParameters);
+        if (def.precision == MatrixPrecision::single) {
+            record_f_.resize(lanes * kRecord);
+            if (exact) twist_f_.resize(lanes * kTwistRecord);
+        }
+        if (def.precision == MatrixPrecision::double_) {
+            record_d_.resize(lanes * kRecord);
+            if (exact) twist_d_.resize(lanes * kTwistRecord);
+        }
         if (def.precision == MatrixPrecision::none) return;
         laplacian_.assign(def.lists.blocks(), 0.0);
         for (std::size_t b = 0; b < laplacian_.size(); ++b) {
@@ -48,8 +62,14 @@ public:
         pass.corner_force = outputs.corner_force;
         pass.energy = outputs.energy;
         pass.stress = outputs.stress;
-        if (outputs.tangent && !record_f_.empty()) pass.record_f = record_f_.data();
-        if (outputs.tangent && !record_d_.empty()) pass.record_d = record_d_.data();
+        pass.plastic = outputs.plastic;
+        pass.project = def_.project;
+        const auto give = [&](auto& array) { return outputs.tangent && !array.empty() ? array.data() : nullptr; };
+        pass.record_f = give(record_f_);
+        pass.record_d = give(record_d_);
+        pass.twist = give(twist_);
+        pass.twist_f = give(twist_f_);
+        pass.twist_d = give(twist_d_);
         run_elements(team, set_, pass);
     }
 
@@ -60,23 +80,38 @@ public:
 
     void product(Team& team, const double* quaternion, std::span<const Vec3> field, AlignedVector<double>& corner,
                  std::vector<Vec3>& out) override {
-        stiffness_product(team, set_, quaternion, field, corner, out);
+        stiffness_product(team, set_, quaternion, twist_.empty() ? nullptr : twist_.data(), field, corner, out);
+    }
+
+    bool is_plastic() const override { return plasticity_.flows(); }
+
+    void flow(Team& team, const double* position, double* quaternion, double* plastic, double h) override {
+        const double rate = -std::expm1(-plasticity_.creep_1_s * h);
+        for (std::size_t i = 0; i < flow_.size(); ++i) {
+            const std::size_t field = i / kBlock % kFlowParameters;
+            flow_[i] = field == 0 ? plasticity_.yield : field == 1 ? plasticity_.max : rate;
+        }
+        const Tet4Flow pass{def_.rest->vertex.data(), def_.rest->gradient.data(), position, flow_.data(), quaternion, plastic};
+        team.for_range(def_.rest->blocks(), kBlockChunk,
+                       [&](std::size_t begin, std::size_t end) { set_.kernels.flow[std::size_t(set_.frame)](pass, begin, end); });
     }
 
     void assemble(Team& team, double scale, std::span<const double> shift, float* value) override {
-        assemble_rows(team, scale, shift, record_f_, value, set_.kernels.assemble_f);
+        assemble_rows(team, scale, shift, record_f_, twist_f_, value, set_.kernels.assemble_f);
     }
     void assemble(Team& team, double scale, std::span<const double> shift, double* value) override {
-        assemble_rows(team, scale, shift, record_d_, value, set_.kernels.assemble_d);
+        assemble_rows(team, scale, shift, record_d_, twist_d_, value, set_.kernels.assemble_d);
     }
 
 private:
     template <class Real, class Kernel>
-    void assemble_rows(Team& team, double scale, std::span<const double> shift, const AlignedVector<Real>& record, Real* value, Kernel kernel) {
+    void assemble_rows(Team& team, double scale, std::span<const double> shift, const AlignedVector<Real>& record,
+                       const AlignedVector<Real>& twist, Real* value, Kernel kernel) {
         SUPPLE_ASSERT(!record.empty());
         Tet4Assembly<Real> pass;
         fill_lists(pass, def_.lists, scale, shift);
         pass.record = record.data();
+        if (!twist.empty()) pass.twist = twist.data();
         pass.laplacian = laplacian_.data();
         pass.value = value;
         team.for_range(def_.lists.rows(), kRowChunk, [&](std::size_t begin, std::size_t end) { kernel(pass, begin, end); });
@@ -85,9 +120,12 @@ private:
     ElementsDef def_;
     AlignedVector<double> moduli_;
     ElementSet set_;
+    Plasticity plasticity_;
     std::vector<double> laplacian_;  ///< [matrix block] sum of mu V g_a.g_b
-    AlignedVector<float> record_f_;
-    AlignedVector<double> record_d_;
+    AlignedVector<float> record_f_, twist_f_;
+    AlignedVector<double> record_d_, twist_d_;
+    AlignedVector<double> twist_;    ///< exact tangent only
+    AlignedVector<double> flow_;     ///< parameters of plastic flow
 };
 
 /// Hyperelastic laws in principal stretches.
@@ -162,7 +200,7 @@ private:
 
 std::unique_ptr<Elements> make_elements(const ElementsDef& def, const Material& material) {
     if (is_hyperelastic(material)) return std::make_unique<HyperTets>(def, make_hyper_parameters(*def.rest, material));
-    return std::make_unique<FrameTets>(def, frame_of(material));
+    return std::make_unique<FrameTets>(def, material);
 }
 
 }  // namespace supple::fem

@@ -28,11 +28,11 @@ void read_constant_or_array(const JsonNode& node, const BodyTemplate& shape, Rea
 }
 
 void require_material_keys(const JsonNode& node) {
-    require_keys(node, {"law", "rotation", "young_pa", "poisson"},
-                 {"integration", "plastic_yield", "plastic_max", "plastic_creep_1_s", "fibre", "sheet", "fibre_stiffness_pa", "fibre_exponent",
+    require_keys(node, {"law", "rotation", "young_pa", "poisson", "plastic_yield", "plastic_max", "plastic_creep_1_s"},
+                 {"integration", "fibre", "sheet", "fibre_stiffness_pa", "fibre_exponent",
                   "sheet_stiffness_pa", "sheet_exponent", "matrix_regularization", "mu_pa", "lambda_pa", "bulk_pa", "c1_pa", "c2_pa", "c2", "terms",
                   "a_pa", "b"},
-                 "is not available for this law in this build; linear and corotational materials have law, rotation, young_pa and poisson");
+                 "is not available for this law in this build; linear and corotational materials have law, rotation, young_pa, poisson and the plastic keys");
 }
 
 Rotation read_rotation(const JsonNode& node) {
@@ -53,17 +53,21 @@ void read_material(const JsonNode& node, BodyDef& def) {
     Linear elastic;
     if (node.has("young_pa")) read_constant_or_array(node.at("young_pa"), *def.shape, read_young, elastic.young_pa, def.young_pa_per_element);
     if (node.has("poisson")) read_constant_or_array(node.at("poisson"), *def.shape, read_poisson, elastic.poisson, def.poisson_per_element);
+    for (const auto& [key, value] : {std::pair{"plastic_yield", &elastic.plasticity.yield}, std::pair{"plastic_max", &elastic.plasticity.max},
+                                     std::pair{"plastic_creep_1_s", &elastic.plasticity.creep_1_s}}) {
+        if (node.has(key)) *value = node.at(key).number(0, 1e15);
+    }
     def.material = elastic;
     if (name == "linear") {
         if (node.has("rotation")) node.at("rotation").fail("the linear law has no rotation: it is for small displacements; use \"corotational\"");
         return;
     }
-    def.material = Corotational{node.has("rotation") ? read_rotation(node.at("rotation")) : Rotation::polar, elastic.young_pa, elastic.poisson};
+    def.material = Corotational{node.has("rotation") ? read_rotation(node.at("rotation")) : Rotation::polar, elastic.young_pa, elastic.poisson, elastic.plasticity};
 }
 
 /// young_pa and poisson of a linear or corotational material.
 Linear elastic_of(const Material& material) {
-    if (const auto* corotational = std::get_if<Corotational>(&material)) return {corotational->young_pa, corotational->poisson};
+    if (const auto* corotational = std::get_if<Corotational>(&material)) return {corotational->young_pa, corotational->poisson, corotational->plasticity};
     return std::get<Linear>(material);
 }
 

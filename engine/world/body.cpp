@@ -10,10 +10,20 @@
 
 namespace supple {
 
+namespace {
+
 template <class Real>
-System<Real>::System(const TemplateData& data, Isa isa)
+std::unique_ptr<solve::Preconditioner<Real>> make_preconditioner(const TemplateData& data, Isa isa, PreconditionerKind kind) {
+    if (kind == PreconditionerKind::direct) return std::make_unique<solve::Cholesky<Real>>(data.pattern);
+    return std::make_unique<solve::BlockJacobi<Real>>(data.pattern.rows, isa);
+}
+
+}  // namespace
+
+template <class Real>
+System<Real>::System(const TemplateData& data, Isa isa, PreconditionerKind kind)
     : A{&data.pattern, AlignedVector<Real>(data.pattern.blocks() * 12)},
-      preconditioner(std::make_unique<solve::BlockJacobi<Real>>(data.pattern.rows, isa)),
+      preconditioner(make_preconditioner<Real>(data, isa, kind)),
       solver(data.pattern.rows, isa) {}
 
 template struct System<float>;
@@ -31,7 +41,7 @@ std::vector<Lame> lame_of(const BodyDef& def, std::size_t elements) {
     if (!per_element) return {small_strain(def.material, "BodyDef.material")};
     Linear material;  // the one shape of young_pa and poisson
     if (const auto* linear = std::get_if<Linear>(&def.material)) material = *linear;
-    if (const auto* corotational = std::get_if<Corotational>(&def.material)) material = {corotational->young_pa, corotational->poisson};
+    if (const auto* corotational = std::get_if<Corotational>(&def.material)) material = {corotational->young_pa, corotational->poisson, {}};
     if (is_hyperelastic(def.material)) {
         bad_body("young_pa_per_element", "arrays of young_pa and poisson belong to the linear and corotational laws; this body's law has other parameters");
     }
@@ -55,14 +65,16 @@ std::vector<Lame> lame_of(const BodyDef& def, std::size_t elements) {
 void size_workspace(Workspace& w, const TemplateData& data) {
     const std::size_t n = data.rest.vertices;
     w.corner.resize(data.rest.blocks() * fem::kBlock * 16);
-    for (auto* field : {&w.y, &w.v0, &w.f_ext, &w.f_dead, &w.b, &w.rhs, &w.free_rhs, &w.dv, &w.residual, &w.product}) field->assign(n, Vec3::Zero());
+    for (auto* field : {&w.base_x, &w.base_v, &w.y, &w.v0, &w.v_start, &w.f_ext, &w.f_dead, &w.b, &w.rhs, &w.free_rhs, &w.dv, &w.residual, &w.product}) {
+        field->assign(n, Vec3::Zero());
+    }
     w.diagonal.resize(n);
     w.partial.resize(solve::row_chunks(n));
 }
 
 }  // namespace
 
-std::unique_ptr<fem::Elements> make_body_elements(const Body& body, fem::MatrixPrecision precision, Isa isa, bool project) {
+std::unique_ptr<fem::Elements> make_body_elements(const Body& body, fem::MatrixPrecision precision, Tangent tangent, Isa isa, bool project) {
     const TemplateData& data = body.data();
     fem::ElementsDef elements;
     elements.rest = &data.rest;
@@ -72,6 +84,7 @@ std::unique_ptr<fem::Elements> make_body_elements(const Body& body, fem::MatrixP
     elements.isa = isa;
     elements.lame = lame_of(body.def, data.rest.elements);
     elements.project = project;
+    elements.exact_rotation = tangent == Tangent::exact;
     return fem::make_elements(elements, body.def.material);
 }
 
@@ -90,7 +103,8 @@ std::unique_ptr<Body> make_body(const BodyDef& def, const WorldDef& world, std::
     const TemplateData& data = body->data();
     const std::size_t n = data.rest.vertices;
     const std::vector<Lame> lame = lame_of(def, data.rest.elements);
-    body->elements = make_body_elements(*body, world.solver.precision == Precision::single ? fem::MatrixPrecision::single : fem::MatrixPrecision::double_, isa, true);
+    body->elements = make_body_elements(*body, world.solver.precision == Precision::single ? fem::MatrixPrecision::single : fem::MatrixPrecision::double_,
+                                        world.solver.tangent, isa, true);
     body->mass = fem::lumped_mass(data.rest, def.density_kg_m3);
     body->stiffness_trace = fem::stiffness_trace(data.rest, fem::make_moduli(data.rest, lame));
     body->owner.assign(3 * n, kFree);
@@ -106,14 +120,18 @@ std::unique_ptr<Body> make_body(const BodyDef& def, const WorldDef& world, std::
     for (auto* field : {&s.dv1, &s.dv2, &s.reaction}) field->assign(n, Vec3::Zero());
     s.quaternion.assign(data.rest.blocks() * 4 * fem::kBlock, 0.0);
     for (std::size_t b = 0; b < data.rest.blocks(); ++b) std::fill_n(s.quaternion.begin() + std::ptrdiff_t(b * 4 * fem::kBlock), fem::kBlock, 1.0);
+    if (world.solver.integrator == Integrator::bdf2) s.v_previous.assign(n, Vec3::Zero());
+    if (world.solver.integrator == Integrator::newmark) s.a.assign(n, Vec3::Zero());
+    s.moving.assign(1, 0);
+    if (body->elements->is_plastic()) s.plastic.assign(data.rest.blocks() * 6 * fem::kBlock, 0.0);
     s.frozen.assign(1, 0);
     body->start = s;
 
     size_workspace(body->work, data);
     if (world.solver.precision == Precision::single) {
-        body->system.emplace<System<float>>(data, isa);
+        body->system.emplace<System<float>>(data, isa, world.solver.preconditioner);
     } else {
-        body->system.emplace<System<double>>(data, isa);
+        body->system.emplace<System<double>>(data, isa, world.solver.preconditioner);
     }
     return body;
 }
@@ -125,6 +143,7 @@ void update_stress(const Body& body, Team& team) {
     const std::size_t elements = data.rest.elements, vertices = data.rest.vertices;
     s.element.resize(elements);
     s.element_von_mises.resize(elements);
+    s.element_energy.resize(elements);
     s.vertex.resize(vertices);
     s.vertex_von_mises.resize(vertices);
     s.block_stress.resize(data.rest.blocks() * 6 * fem::kBlock);
@@ -134,11 +153,13 @@ void update_stress(const Body& body, Team& team) {
     fem::ElementOutputs outputs;
     outputs.stress = s.block_stress.data();
     outputs.energy = s.block_energy.data();
+    outputs.plastic = plastic_strain(body);
     body.elements->evaluate(team, body.state.x.data()->data(), s.quaternion.data(), outputs);
     team.for_range(elements, 512, [&](std::size_t begin, std::size_t end) {
         for (std::size_t e = begin; e < end; ++e) {
             for (std::size_t c = 0; c < 6; ++c) s.element[e][c] = s.block_stress[(e / fem::kBlock * 6 + c) * fem::kBlock + e % fem::kBlock];
             s.element_von_mises[e] = fem::von_mises(s.element[e]);
+            s.element_energy[e] = s.block_energy[e];
         }
     });
     team.for_range(vertices, 512, [&](std::size_t begin, std::size_t end) {

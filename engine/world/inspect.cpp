@@ -1,5 +1,6 @@
 #include "supple/world/inspect.h"
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <Eigen/QR>
 #include <algorithm>
@@ -80,13 +81,13 @@ struct LoneElement {
         shape = BodyTemplate::build(std::move(one));
     }
 
-    MatX stiffness(const std::vector<Vec3>& x) const {
+    MatX stiffness(const std::vector<Vec3>& x, Tangent tangent) const {
         const auto n = Eigen::Index(3 * x.size());
         MatX K(n, n);
         for (Eigen::Index c = 0; c < n; ++c) {
             std::vector<Vec3> d(x.size(), Vec3::Zero());
             d[std::size_t(c / 3)][c % 3] = 1;
-            const std::vector<Vec3> df = force_differential(*shape, material, x, d);
+            const std::vector<Vec3> df = force_differential(*shape, material, x, d, tangent);
             for (Eigen::Index r = 0; r < n; ++r) K(r, c) = -df[std::size_t(r / 3)][r % 3];
         }
         return K;
@@ -143,11 +144,11 @@ ElementView Inspector::element(std::size_t index) const {
     const LoneElement lone(mesh, g, material_of(body, index));
     view.strain_displacement = strain_displacement(g);
     view.material_matrix = isotropic_matrix(small_strain(lone.material));
-    view.initial_stiffness = lone.stiffness(rest);
-    view.stiffness = lone.stiffness(now);
-    const Evaluation state = evaluate(*lone.shape, lone.material, now);
-    view.energy_j = state.energy_j;
-    view.cauchy_pa = state.element_stress_pa.front();
+    view.initial_stiffness = lone.stiffness(rest, Tangent::automatic);
+    view.stiffness = lone.stiffness(now, world_->def().solver.tangent);
+    update_stress(body, world_->impl_->alone);
+    view.energy_j = body.stress.element_energy[index];
+    view.cauchy_pa = body.stress.element[index];
     return view;
 }
 
@@ -195,12 +196,13 @@ void Inspector::add(SystemMatrix which, double factor, Eigen::Index row0, Eigen:
     const double of_stiffness = which == SystemMatrix::damping ? solver.rayleigh_stiffness_s : 1;
     // Elements of their own: in float64, not projected, and whatever the world's keep for the next step stays as it is.
     Team team;
-    const auto elements = make_body_elements(body, fem::MatrixPrecision::double_, Isa::scalar, false);
+    const auto elements = make_body_elements(body, fem::MatrixPrecision::double_, solver.tangent, Isa::scalar, false);
     AlignedVector<double> quaternion = body.state.quaternion, value(pattern.blocks() * 12);
     std::vector<double> shift(body.vertices());
     for (std::size_t v = 0; v < shift.size(); ++v) shift[v] = of_mass * body.mass[v];
     fem::ElementOutputs outputs;
     outputs.tangent = true;
+    outputs.plastic = plastic_strain(body);
     elements->evaluate(team, body.state.x.data()->data(), quaternion.data(), outputs);
     elements->assemble(team, of_stiffness, shift, value.data());
     for (std::size_t row = 0; row < body.vertices(); ++row) {
@@ -219,14 +221,14 @@ namespace {
 
 void require_room(Eigen::Index rows, Eigen::Index columns, Eigen::Index row0, Eigen::Index column0, Eigen::Index size) {
     if (row0 >= 0 && column0 >= 0 && row0 + size <= rows && column0 + size <= columns) return;
-    throw Error(ErrorCode::invalid_argument, "Inspector::add",
+    throw Error(ErrorCode::invalid_argument, "Inspector::add_to",
                 "a matrix of " + std::to_string(rows) + " x " + std::to_string(columns) + " has no room for " + std::to_string(size) + " x " + std::to_string(size) +
                     " at (" + std::to_string(row0) + ", " + std::to_string(column0) + "); make it larger, or move the offset");
 }
 
 }  // namespace
 
-void Inspector::add(SystemMatrix which, double factor, Eigen::Index row0, Eigen::Index column0, Eigen::SparseMatrix<double>& matrix) const {
+void Inspector::add_to(SystemMatrix which, double factor, Eigen::Index row0, Eigen::Index column0, Eigen::SparseMatrix<double>& matrix) const {
     require_room(matrix.rows(), matrix.cols(), row0, column0, rows());
     std::vector<Eigen::Triplet<double>> triplets;
     add(which, factor, row0, column0, [&](Eigen::Index r, Eigen::Index c, double v) { triplets.emplace_back(int(r), int(c), v); });
@@ -235,14 +237,14 @@ void Inspector::add(SystemMatrix which, double factor, Eigen::Index row0, Eigen:
     matrix += part;
 }
 
-void Inspector::add(SystemMatrix which, double factor, Eigen::Index row0, Eigen::Index column0, Eigen::Ref<MatX> matrix) const {
+void Inspector::add_to(SystemMatrix which, double factor, Eigen::Index row0, Eigen::Index column0, Eigen::Ref<MatX> matrix) const {
     require_room(matrix.rows(), matrix.cols(), row0, column0, rows());
     add(which, factor, row0, column0, [&](Eigen::Index r, Eigen::Index c, double v) { matrix(r, c) += v; });
 }
 
 Eigen::SparseMatrix<double> Inspector::matrix(SystemMatrix which) const {
     Eigen::SparseMatrix<double> m(rows(), rows());
-    add(which, 1, 0, 0, m);
+    add_to(which, 1, 0, 0, m);
     return m;
 }
 

@@ -22,7 +22,7 @@ struct ElementView {
     MatX strain_displacement;                ///< B, 6 x 3n [1/m]: rest displacements to strains xx yy zz xy yz zx, engineering shears
     Mat6 material_matrix;                    ///< D [Pa]: small strains to stresses in the same order; of any law, its tangent at rest
     MatX initial_stiffness;                  ///< 3n x 3n [N/m] at rest; of linear elasticity on a tetrahedron V B^T D B
-    MatX stiffness;                          ///< 3n x 3n now: with the rotation held (linear, corotational), or the consistent tangent
+    MatX stiffness;                          ///< 3n x 3n now: corotational by the world's SolverDef::tangent, of all others the consistent tangent; not projected
     double energy_j = 0;                     ///< elastic
     Voigt cauchy_pa{};
 };
@@ -34,7 +34,7 @@ struct BoundingBox {
 /// The matrices of a body's equations of motion, 3 rows per vertex (x y z), no supports applied.
 enum class SystemMatrix {
     mass,       ///< M, lumped [kg]
-    stiffness,  ///< K = -df/dx of the elements now [N/m], as ElementView::stiffness, not projected
+    stiffness,  ///< K = -df/dx of the elements now [N/m], as ElementView::stiffness
     damping,    ///< C = rayleigh_mass_1_s M + rayleigh_stiffness_s K [N s/m]
 };
 
@@ -62,8 +62,8 @@ public:
     void add(SystemMatrix which, double factor, Eigen::Index row_offset, Eigen::Index column_offset, MatrixSink sink) const;
     /// matrix += factor * the body's, with its upper left corner at the offsets.
     /// @error Error(invalid_argument) if it does not fit
-    void add(SystemMatrix which, double factor, Eigen::Index row_offset, Eigen::Index column_offset, Eigen::SparseMatrix<double>& matrix) const;
-    void add(SystemMatrix which, double factor, Eigen::Index row_offset, Eigen::Index column_offset, Eigen::Ref<MatX> matrix) const;
+    void add_to(SystemMatrix which, double factor, Eigen::Index row_offset, Eigen::Index column_offset, Eigen::SparseMatrix<double>& matrix) const;
+    void add_to(SystemMatrix which, double factor, Eigen::Index row_offset, Eigen::Index column_offset, Eigen::Ref<MatX> matrix) const;
     Eigen::SparseMatrix<double> matrix(SystemMatrix which) const;
 
 private:

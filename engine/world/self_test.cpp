@@ -1,5 +1,6 @@
 #include "supple/world/self_test.h"
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <Eigen/SVD>
 #include <algorithm>
@@ -41,6 +42,16 @@ bool is_smooth(const Mat3& F, bool hyperelastic) {
     const double third = F.determinant() < 0 ? -s[2] : s[2];
     if (s[1] + third < 0.1) return false;
     return !hyperelastic || (std::abs(s[1] - kFloor) > 2e-3 && std::abs(third - kFloor) > 2e-3);
+}
+
+/// Laws with ln J go on below the floor by an extension whose tangent leaves out third derivatives of the energy (material/laws/inversion.h).
+bool is_extended(const Material& material) {
+    return is_hyperelastic(material) && !std::holds_alternative<StVenantKirchhoff>(material) && !std::holds_alternative<StableNeoHookean>(material);
+}
+
+double least_stretch(const Mat3& F) {
+    const double s = F.jacobiSvd().singularValues()[2];
+    return F.determinant() < 0 ? -s : s;
 }
 
 enum class Directions { all, unturned, triangular };
@@ -91,7 +102,8 @@ double tangent_error(const UnitTet& tet, const Material& material, const Mat3& F
     if (directions == Directions::triangular) direction = frame_of_edges(F) * Mat3(direction.triangularView<Eigen::Upper>());
     const std::vector<Vec3> up = evaluate(*tet.shape, material, UnitTet::at(F + kStep * direction)).forces_n,
                             down = evaluate(*tet.shape, material, UnitTet::at(F - kStep * direction)).forces_n;
-    const std::vector<Vec3> df = force_differential(*tet.shape, material, UnitTet::at(F), UnitTet::at(direction));
+    const Tangent tangent = directions == Directions::all ? Tangent::exact : Tangent::automatic;
+    const std::vector<Vec3> df = force_differential(*tet.shape, material, UnitTet::at(F), UnitTet::at(direction), tangent);
     double error = 0;
     for (std::size_t v = 0; v < 4; ++v) error = std::max(error, (df[v] - (up[v] - down[v]) / (2 * kStep)).norm());
     return error / std::max(largest(df), scale);
@@ -104,10 +116,12 @@ DerivativeCheck check_derivatives(const Material& material, std::size_t samples,
     const double scale = 1e-3 * (std::abs(lame.lambda_pa) + 2 * lame.mu_pa);  // forces below it are noise
     const auto* corotational = std::get_if<Corotational>(&material);
     const bool large = corotational != nullptr && corotational->rotation == Rotation::large;
-    const Directions directions = corotational == nullptr ? Directions::all : large ? Directions::triangular : Directions::unturned;
     DerivativeCheck check;
     check.has_energy = !large;
-    check.tangent = directions == Directions::all ? "in every direction" : "in directions that do not turn the element";
+    check.tangent = large                     ? "warped, in directions that do not turn the element"
+                    : corotational != nullptr ? "exact in every direction, and warped in directions that do not turn the element"
+                    : is_extended(material)   ? "exact in every direction, where no stretch is below the floor of the law's extension"
+                                              : "exact in every direction";
     const UnitTet tet;
     Random random(seed);
     for (std::size_t tried = 0; check.samples < samples && tried < 100 * samples; ++tried) {
@@ -120,7 +134,12 @@ DerivativeCheck check_derivatives(const Material& material, std::size_t samples,
         if ((F.determinant() < 0) != inverted || !is_smooth(F, is_hyperelastic(material))) continue;
         if (large && (F.col(0).norm() < 0.1 || F.col(0).cross(F.col(1)).norm() < 0.05)) continue;
         ++check.samples;
-        const double force = large ? 0 : force_error(tet, material, F, scale), tangent = tangent_error(tet, material, F, direction, directions, scale);
+        const double force = large ? 0 : force_error(tet, material, F, scale);
+        double tangent = 0;
+        const bool has_exact = !large && !(is_extended(material) && least_stretch(F) < kFloor);
+        if (has_exact) tangent = tangent_error(tet, material, F, direction, Directions::all, scale);
+        if (corotational != nullptr)
+            tangent = std::max(tangent, tangent_error(tet, material, F, direction, large ? Directions::triangular : Directions::unturned, scale));
         if (!(force <= check.force_error)) {
             check.force_error = force;
             check.worst_force_at = F;

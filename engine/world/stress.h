@@ -12,7 +12,8 @@ namespace supple {
 /// Which strain the stress of a linear or corotational element is made of. A hyperelastic law has one stress, sigma = P F^T / J, whatever is asked.
 enum class StrainMeasure {
     corotational,  ///< what the forces are made of: sigma = R (2 mu e + lambda tr(e) I) R^T, e = sym(R^T F) - I (`linear`: R = I)
-    green,         ///< the full Green strain E = (F^T F - I)/2 under the same moduli: sigma = F (2 mu E + lambda tr(E) I) F^T / J
+    green,         ///< the full Green strain E = (F^T F - I)/2 under the same moduli: sigma = F (2 mu E + lambda tr(E) I) F^T / J;
+                 ///< the whole strain, what has flowed of it included
 };
 
 enum class StressAt { vertex, element };
