@@ -74,6 +74,8 @@ void FrameBuilder::add_stress(std::size_t b, SurfaceView& surface, std::vector<d
     for (const Hex& h : world.shape(body).mesh().hexes) add_centre(h);
     view_.points.push_back({centres_[b], elements, 6});
     if (!options_.opacity) surface.opacity = 0.25;
+    surface.look = Look::rubber;
+    surface.color = {0.80f, 0.82f, 0.85f};  // glass: the colours of the points stay what they are
 }
 
 const FrameView& FrameBuilder::build(double alpha, const std::string& hud, double elapsed_s) {

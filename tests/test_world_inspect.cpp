@@ -157,6 +157,18 @@ TEST(WorldInspect, AssembledMatricesAreTheForceDifferentialAndTheSumOfTheElement
     }
 }
 
+TEST(WorldInspect, NodalVolumesAreInTheAssembledStiffness) {
+    Corotational law;
+    law.poisson = 0.49;
+    law.volumetric = Volumetric::nodal;
+    test::Random random(12);
+    Scene s(law, random.rotation(), 0.02, 12);
+    std::vector<Vec3> d(s.world.positions(s.body).size());
+    for (Vec3& v : d) v = random.vector(1);
+    const Eigen::VectorXd df = stacked(force_differential(s.world.shape(s.body), law, s.world.positions(s.body), d));
+    EXPECT_LT((Inspector(s.world, s.body).matrix(SystemMatrix::stiffness) * stacked(d) + df).norm(), 1e-8 * df.norm());
+}
+
 TEST(WorldInspect, RigidModesOfTheRestStiffnessAreSix) {
     Scene s(NeoHookean{}, Mat3::Identity(), 0, 9);
     const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<MatX>(MatX(Inspector(s.world, s.body).matrix(SystemMatrix::stiffness))).eigenvalues();

@@ -23,19 +23,12 @@ void run_elements(Team& team, const ElementSet& set, Tet4Pass pass) {
     team.for_range(set.rest.blocks(), kBlockChunk, [&](std::size_t begin, std::size_t end) { set.kernels.elements[std::size_t(set.frame)](pass, begin, end); });
 }
 
-void stiffness_product(Team& team, const ElementSet& set, const double* quaternion, const double* twist, std::span<const Vec3> field,
-                       AlignedVector<double>& corner, std::vector<Vec3>& out) {
-    Tet4Product pass;
+void run_product(Team& team, const ElementSet& set, Tet4Product pass) {
     pass.vertex = set.rest.vertex.data();
     pass.gradient = set.rest.gradient.data();
     pass.volume = set.rest.volume.data();
     pass.moduli = set.moduli.data();
-    pass.quaternion = quaternion;
-    pass.twist = twist;
-    pass.field = field.data()->data();
-    pass.corner_force = corner.data();
     team.for_range(set.rest.blocks(), kBlockChunk, [&](std::size_t begin, std::size_t end) { set.kernels.product(pass, begin, end); });
-    gather(team, set.corners, corner, out);
 }
 
 void gather(Team& team, const CornerMap& corners, const AlignedVector<double>& corner, std::vector<Vec3>& out) {

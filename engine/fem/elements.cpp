@@ -1,10 +1,13 @@
 #include "supple/fem/elements.h"
 
+#include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "supple/base/assert.h"
 #include "supple/fem/element_passes.h"
 #include "supple/fem/hyper_parameters.h"
+#include "supple/fem/nodal_volume.h"
 #include "supple/fem/rest.h"
 #include "supple/fem/tet4_hyper.h"
 
@@ -26,18 +29,37 @@ void fill_lists(Assembly& pass, const MatrixLists& lists, double scale, std::spa
     pass.diagonal_shift = shift.data();
 }
 
+/// What elements keep of their lambda beside a NodalVolume, and what goes to the vertices.
+Lame kept(const Lame& lame) { return {std::min(lame.lambda_pa, lame.mu_pa), lame.mu_pa}; }
+
+std::vector<Lame> kept(const std::vector<Lame>& lame, Volumetric volumetric) {
+    std::vector<Lame> result = lame;
+    if (volumetric == Volumetric::nodal) std::transform(lame.begin(), lame.end(), result.begin(), [](const Lame& l) { return kept(l); });
+    return result;
+}
+
 /// Linear elasticity in a frame: small displacements and the corotational methods.
 class FrameTets final : public Elements {
 public:
     FrameTets(const ElementsDef& def, const Material& material)
         : def_(def),
-          moduli_(make_moduli(*def.rest, def.lame)),
+          moduli_(make_moduli(*def.rest, kept(def.lame, volumetric_of(material)))),
           set_{*def.rest, *def.corners, moduli_, tet4_kernels(def.isa), frame_of(material)},
           plasticity_(plasticity_of(material)) {
         const std::size_t lanes = def.rest->blocks() * kBlock;
         const bool exact = def.exact_rotation && (set_.frame == Frame::polar || set_.frame == Frame::svd);
         if (exact) twist_.resize(lanes * 6);
         if (plasticity_.flows()) flow_.resize(lanes * kFlowParameters);
+        if (volumetric_of(material) == Volumetric::nodal) {
+            std::vector<double> excess(lanes, 0.0);
+            for (std::size_t e = 0; e < def.rest->elements; ++e) {
+                const Lame& l = def.lame[def.lame.size() == 1 ? 0 : e];
+                excess[e] = l.lambda_pa - kept(l).lambda_pa;
+            }
+            nodal_.emplace(*def.rest, excess);
+            dilatation_.resize(lanes);
+            pressure_.resize(lanes);
+        }
         if (def.precision == MatrixPrecision::single) {
             record_f_.resize(lanes * kRecord);
             if (exact) twist_f_.resize(lanes * kTwistRecord);
@@ -59,6 +81,13 @@ public:
         Tet4Pass pass;
         pass.position = position;
         pass.quaternion = quaternion;
+        if (nodal_) {  // the pressures first: they need the dilatation of every element
+            pass.dilatation = dilatation_.data();
+            run_elements(team, set_, pass);
+            nodal_->pressures(team, dilatation_.data(), pressure_.data());
+            pass.dilatation = nullptr;
+            pass.pressure = pressure_.data();
+        }
         pass.corner_force = outputs.corner_force;
         pass.energy = outputs.energy;
         pass.stress = outputs.stress;
@@ -71,16 +100,35 @@ public:
         pass.twist_f = give(twist_f_);
         pass.twist_d = give(twist_d_);
         run_elements(team, set_, pass);
+        if (nodal_ && outputs.energy != nullptr) nodal_->add_energy(outputs.energy);
     }
 
-    std::optional<Lame> lame(std::size_t element) const override {
-        const double* m = moduli_.data() + element / kBlock * 2 * kBlock + element % kBlock;
-        return Lame{m[0], m[kBlock]};
-    }
+    std::optional<Lame> lame(std::size_t element) const override { return def_.lame[def_.lame.size() == 1 ? 0 : element]; }
 
     void product(Team& team, const double* quaternion, std::span<const Vec3> field, AlignedVector<double>& corner,
                  std::vector<Vec3>& out) override {
-        stiffness_product(team, set_, quaternion, twist_.empty() ? nullptr : twist_.data(), field, corner, out);
+        Tet4Product pass;
+        pass.quaternion = quaternion;
+        pass.twist = twist_.empty() ? nullptr : twist_.data();
+        pass.field = field.data()->data();
+        if (nodal_) {
+            pass.dilatation = dilatation_.data();
+            run_product(team, set_, pass);
+            nodal_->pressures(team, dilatation_.data(), pressure_.data());
+            pass.dilatation = nullptr;
+            pass.pressure = pressure_.data();
+        }
+        pass.corner_force = corner.data();
+        run_product(team, set_, pass);
+        gather(team, set_.corners, corner, out);
+    }
+
+    bool is_coupled() const override { return nodal_.has_value(); }
+    void couple(Team& team, double scale, const float* x, float* y) override { nodal_->multiply_add(team, record_f_.data(), scale, x, y); }
+    void couple(Team& team, double scale, const double* x, double* y) override { nodal_->multiply_add(team, record_d_.data(), scale, x, y); }
+    void add_coupling_diagonal(Team& team, std::span<Mat3> diagonal) override {
+        if (!record_f_.empty()) nodal_->add_diagonal(team, record_f_.data(), diagonal);
+        if (!record_d_.empty()) nodal_->add_diagonal(team, record_d_.data(), diagonal);
     }
 
     bool is_plastic() const override { return plasticity_.flows(); }
@@ -121,6 +169,8 @@ private:
     AlignedVector<double> moduli_;
     ElementSet set_;
     Plasticity plasticity_;
+    std::optional<NodalVolume> nodal_;
+    AlignedVector<double> dilatation_, pressure_;
     std::vector<double> laplacian_;  ///< [matrix block] sum of mu V g_a.g_b
     AlignedVector<float> record_f_, twist_f_;
     AlignedVector<double> record_d_, twist_d_;

@@ -53,6 +53,14 @@ public:
     virtual void assemble(Team& team, double stiffness_scale, std::span<const double> diagonal_shift, float* value) = 0;
     virtual void assemble(Team& team, double stiffness_scale, std::span<const double> diagonal_shift, double* value) = 0;
 
+    /// Whether a part of the tangent is too wide for the matrix's pattern (NodalVolume): assemble() leaves it out, product() has it.
+    virtual bool is_coupled() const { return false; }
+    /// y += scale times that part times x, [vertex][x y z 0]; needs the precision given at construction.
+    virtual void couple(Team&, double /*scale*/, const float* /*x*/, float* /*y*/) {}
+    virtual void couple(Team&, double /*scale*/, const double* /*x*/, double* /*y*/) {}
+    /// Adds its diagonal blocks [N/m], one per vertex.
+    virtual void add_coupling_diagonal(Team&, std::span<Mat3> /*diagonal*/) {}
+
     /// Whether any element can flow: then the caller keeps plastic strains, [block][xx yy zz xy yz zx][lane], zero at first.
     virtual bool is_plastic() const { return false; }
     /// Plastic flow of a step of h seconds that ended at these positions.

@@ -28,7 +28,7 @@ void read_constant_or_array(const JsonNode& node, const BodyTemplate& shape, Rea
 }
 
 void require_material_keys(const JsonNode& node) {
-    require_keys(node, {"law", "rotation", "young_pa", "poisson", "plastic_yield", "plastic_max", "plastic_creep_1_s"},
+    require_keys(node, {"law", "rotation", "young_pa", "poisson", "plastic_yield", "plastic_max", "plastic_creep_1_s", "volumetric"},
                  {"integration", "fibre", "sheet", "fibre_stiffness_pa", "fibre_exponent",
                   "sheet_stiffness_pa", "sheet_exponent", "matrix_regularization", "mu_pa", "lambda_pa", "bulk_pa", "c1_pa", "c2_pa", "c2", "terms",
                   "a_pa", "b"},
@@ -57,17 +57,21 @@ void read_material(const JsonNode& node, BodyDef& def) {
                                      std::pair{"plastic_creep_1_s", &elastic.plasticity.creep_1_s}}) {
         if (node.has(key)) *value = node.at(key).number(0, 1e15);
     }
+    if (node.has("volumetric")) {
+        elastic.volumetric = node.at("volumetric").choice({"element", "nodal"}) == "nodal" ? Volumetric::nodal : Volumetric::element;
+    }
     def.material = elastic;
     if (name == "linear") {
         if (node.has("rotation")) node.at("rotation").fail("the linear law has no rotation: it is for small displacements; use \"corotational\"");
         return;
     }
-    def.material = Corotational{node.has("rotation") ? read_rotation(node.at("rotation")) : Rotation::polar, elastic.young_pa, elastic.poisson, elastic.plasticity};
+    def.material = Corotational{node.has("rotation") ? read_rotation(node.at("rotation")) : Rotation::polar, elastic.young_pa, elastic.poisson, elastic.plasticity,
+                                elastic.volumetric};
 }
 
 /// young_pa and poisson of a linear or corotational material.
 Linear elastic_of(const Material& material) {
-    if (const auto* corotational = std::get_if<Corotational>(&material)) return {corotational->young_pa, corotational->poisson, corotational->plasticity};
+    if (const auto* corotational = std::get_if<Corotational>(&material)) return {corotational->young_pa, corotational->poisson, corotational->plasticity, corotational->volumetric};
     return std::get<Linear>(material);
 }
 

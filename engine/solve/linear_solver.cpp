@@ -67,6 +67,7 @@ double LinearSolver<Real>::multiply(Team& team, const Bsr3<Real>& A, std::span<c
         }
         dot += mean.dot(force);
     }
+    if (coupling_ != nullptr) dot += coupling_->multiply_add(team, x, y);
     return dot;
 }
 

@@ -41,7 +41,7 @@ std::vector<Lame> lame_of(const BodyDef& def, std::size_t elements) {
     if (!per_element) return {small_strain(def.material, "BodyDef.material")};
     Linear material;  // the one shape of young_pa and poisson
     if (const auto* linear = std::get_if<Linear>(&def.material)) material = *linear;
-    if (const auto* corotational = std::get_if<Corotational>(&def.material)) material = {corotational->young_pa, corotational->poisson, {}};
+    if (const auto* corotational = std::get_if<Corotational>(&def.material)) material = {corotational->young_pa, corotational->poisson, {}, {}};
     if (is_hyperelastic(def.material)) {
         bad_body("young_pa_per_element", "arrays of young_pa and poisson belong to the linear and corotational laws; this body's law has other parameters");
     }
@@ -128,10 +128,16 @@ std::unique_ptr<Body> make_body(const BodyDef& def, const WorldDef& world, std::
     body->start = s;
 
     size_workspace(body->work, data);
+    const auto couple = [&](auto& system) {
+        using Real = typename std::remove_reference_t<decltype(system)>::Scalar;
+        if (!body->elements->is_coupled()) return;
+        system.coupling = std::make_unique<ElementCoupling<Real>>(*body);
+        system.solver.set_coupling(system.coupling.get());
+    };
     if (world.solver.precision == Precision::single) {
-        body->system.emplace<System<float>>(data, isa, world.solver.preconditioner);
+        couple(body->system.emplace<System<float>>(data, isa, world.solver.preconditioner));
     } else {
-        body->system.emplace<System<double>>(data, isa, world.solver.preconditioner);
+        couple(body->system.emplace<System<double>>(data, isa, world.solver.preconditioner));
     }
     return body;
 }

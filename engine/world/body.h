@@ -45,6 +45,25 @@ struct BodyState {
     }
 };
 
+struct Body;
+
+/// The part of a body's tangent that is too wide for its matrix (fem::Elements::couple), on its free coordinates.
+template <class Real>
+class ElementCoupling final : public solve::Coupling<Real> {
+public:
+    explicit ElementCoupling(Body& body);
+    double multiply_add(Team& team, const Real* x, Real* y) override;
+    /// Diagonal blocks for the preconditioner, scaled; identity rows stay.
+    std::span<const Mat3> update_diagonal(Team& team, double scale);
+
+private:
+    Body& body_;
+    double scale_ = 0;
+    AlignedVector<Real> product_;
+    std::vector<Mat3> diagonal_;
+    std::vector<double> partial_;
+};
+
 /// Matrix and solver of one body in one precision.
 template <class Real>
 struct System {
@@ -54,6 +73,7 @@ struct System {
     solve::Bsr3<Real> A;
     std::unique_ptr<solve::Preconditioner<Real>> preconditioner;
     solve::LinearSolver<Real> solver;
+    std::unique_ptr<ElementCoupling<Real>> coupling;  ///< null: the matrix is the whole tangent
 };
 
 /// What the stages of a step write into; sized once, never part of the state.

@@ -205,6 +205,20 @@ void Inspector::add(SystemMatrix which, double factor, Eigen::Index row0, Eigen:
     outputs.plastic = plastic_strain(body);
     elements->evaluate(team, body.state.x.data()->data(), quaternion.data(), outputs);
     elements->assemble(team, of_stiffness, shift, value.data());
+    if (elements->is_coupled() && of_stiffness != 0) {
+        // The part that is too wide for the pattern, column by column.
+        const std::size_t n = body.vertices();
+        AlignedVector<double> unit(4 * n, 0.0), image(4 * n);
+        for (std::size_t c = 0; c < 3 * n; ++c) {
+            unit[c / 3 * 4 + c % 3] = 1;
+            std::fill(image.begin(), image.end(), 0.0);
+            elements->couple(team, factor * of_stiffness, unit.data(), image.data());
+            unit[c / 3 * 4 + c % 3] = 0;
+            for (std::size_t r = 0; r < 3 * n; ++r) {
+                if (const double v = image[r / 3 * 4 + r % 3]; v != 0) sink(row0 + Eigen::Index(r), column0 + Eigen::Index(c), v);
+            }
+        }
+    }
     for (std::size_t row = 0; row < body.vertices(); ++row) {
         for (Eigen::Index i = 0; i < 3; ++i) {
             for (std::int32_t b = pattern.row_start[row]; b < pattern.row_start[row + 1]; ++b) {

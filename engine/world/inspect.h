@@ -10,7 +10,8 @@ namespace supple {
 using MatX = Eigen::MatrixXd;
 using Mat6 = Eigen::Matrix<double, 6, 6, Eigen::DontAlign>;
 
-/// One element of a body, taken apart. n corners: 4 of a tetrahedron, 8 of a hexahedron; a hexahedron's F, rotations and B are those at its centre.
+/// One element of a body, taken apart. Its stiffness is that of the element alone: where nodal volumes couple it to its neighbours, that part is in the
+/// assembled matrix only. n corners: 4 of a tetrahedron, 8 of a hexahedron; a hexahedron's F, rotations and B are those at its centre.
 struct ElementView {
     std::vector<std::int32_t> vertices;      ///< n, in the order of the mesh
     double rest_volume_m3 = 0;
@@ -58,7 +59,9 @@ public:
     BoundingBox bounding_box() const;  ///< of the vertices that elements use
 
     Eigen::Index rows() const;         ///< of the matrices: 3 per vertex
-    /// Calls sink(row_offset + i, column_offset + j, factor * value) for the stored numbers of a matrix, row by row. An (i, j) comes once.
+    /// Calls sink(row_offset + i, column_offset + j, factor * value) for the stored numbers of a matrix. An (i, j) comes once, except with
+    /// nodal volumes (nearly incompressible tetrahedra), whose wide part comes first, column by column: there, numbers of one place add up, and it takes a
+    /// pass over the body per column.
     void add(SystemMatrix which, double factor, Eigen::Index row_offset, Eigen::Index column_offset, MatrixSink sink) const;
     /// matrix += factor * the body's, with its upper left corner at the offsets.
     /// @error Error(invalid_argument) if it does not fit

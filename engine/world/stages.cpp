@@ -96,6 +96,7 @@ void assemble(StepContext& ctx, Body& body) {
                 }
             }
         });
+        if (system.coupling) system.preconditioner->coupling_diagonal = system.coupling->update_diagonal(ctx.team, stiffness_scale(ctx, body));
     });
 }
 

@@ -67,8 +67,9 @@ BodyId World::add_body(const BodyDef& def) {
     if (w.def.log) {
         for (const std::string& sentence : body->data().report.sentences()) w.def.log(LogLevel::warning, body->name + ": " + sentence);
         const Lame lame = small_strain(def.material);
-        if (const double poisson = lame.lambda_pa / (2 * (lame.lambda_pa + lame.mu_pa)); poisson > 0.48 + 1e-9) {
-            w.def.log(LogLevel::warning, body->name + ": Poisson's ratio " + to_text(poisson) + " above 0.48 locks linear tetrahedra: they bend too little");
+        if (const double poisson = lame.lambda_pa / (2 * (lame.lambda_pa + lame.mu_pa)); poisson > 0.48 + 1e-9 && volumetric_of(def.material) == Volumetric::element) {
+            w.def.log(LogLevel::warning, body->name + ": Poisson's ratio " + to_text(poisson) +
+                                             " above 0.48 locks linear tetrahedra: they bend too little; set the material's volumetric to \"nodal\"");
         }
     }
     if (!w.crew && w.threads > 1 && body->data().rest.elements >= kMinElementsForThreads) w.crew = std::make_unique<Team>(w.threads);
