@@ -1,5 +1,8 @@
 #include "supple/render/point_buffers.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "supple/base/error.h"
 #include "supple/render/surface_buffers.h"
 
@@ -36,6 +39,12 @@ void PointBuffers::upload() {
     glEnableVertexAttribArray(1);
     glVertexAttribPointer(1, 1, GL_FLOAT, GL_FALSE, 0, nullptr);
     glBindVertexArray(0);
+}
+
+int PointBuffers::reach_px() const {
+    float largest = 0;
+    for (const Range& r : ranges_) largest = std::max(largest, r.size_px);
+    return int(std::ceil(largest / 2));
 }
 
 void PointBuffers::draw(FunctionRef<void(float size_px)> set_size) const {

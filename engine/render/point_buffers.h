@@ -14,6 +14,7 @@ public:
     void prepare(const std::vector<PointsView>& views, const SceneFrame& frame);
     void upload();
     void draw(FunctionRef<void(float size_px)> set_size) const;
+    int reach_px() const;  ///< how far the largest point reaches from its centre
     bool empty() const { return positions_.empty(); }
     const std::vector<Eigen::Vector3f>& positions() const { return positions_; }
 

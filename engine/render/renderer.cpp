@@ -408,8 +408,9 @@ struct Renderer::Impl {
         for (const Vector3f& p : outline) include(p);
         for (const Vector3f& p : points.positions()) include(p);
         const auto pixel = [](float ndc, int size) { return std::clamp((0.5f + 0.5f * ndc) * float(size), -2.0f, float(size) + 2); };
-        const int x0 = std::max(0, int(pixel(low.x(), def.width)) - 2), x1 = std::min(def.width, int(pixel(high.x(), def.width)) + 3);
-        const int y0 = std::max(0, int(pixel(low.y(), def.height)) - 2), y1 = std::min(def.height, int(pixel(high.y(), def.height)) + 3);
+        const int reach = points.reach_px();
+        const int x0 = std::max(0, int(pixel(low.x(), def.width)) - 2 - reach), x1 = std::min(def.width, int(pixel(high.x(), def.width)) + 3 + reach);
+        const int y0 = std::max(0, int(pixel(low.y(), def.height)) - 2 - reach), y1 = std::min(def.height, int(pixel(high.y(), def.height)) + 3 + reach);
         return {x0, y0, x1 - x0, y1 - y0};
     }
 
