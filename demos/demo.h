@@ -1,11 +1,13 @@
 #pragma once
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "supple/render/frame_view.h"
+#include "supple/world/probe.h"
 #include "supple/world/world.h"
 
 namespace supple::demos {
@@ -17,12 +19,14 @@ public:
     virtual World& world() = 0;
     virtual void before_step() {}                    ///< scripted touch; simulated time is world().time_s()
     virtual void decorate(FrameView& view) { (void)view; }  ///< camera, caption, colour range, arrows; surfaces are already there
+    virtual std::vector<Probe> make_probes() { return {}; }  ///< what `run --probes` watches; none: every body as a whole
     virtual double duration_s() const { return 10; } ///< how long `record` runs by default
 };
 
 /// Settings that the command line overrides before the world is built.
 struct ShowOptions {
     int threads = 0;
+    std::optional<Isa> isa{};  ///< empty: the widest
 };
 
 /// A demo. Each lives in one file of demos/ and registers itself with a `const RegisterDemo`.

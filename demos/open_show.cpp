@@ -1,11 +1,14 @@
 #include "open_show.h"
 
+#include "command.h"
+
 #include <cmath>
 #include <cstdlib>
 #include <vector>
 
 #include "framing.h"
 #include "supple/base/error.h"
+#include "supple/io/probe_table.h"
 #include "supple/io/scene.h"
 
 namespace supple::demos {
@@ -16,7 +19,8 @@ namespace fs = std::filesystem;
 /// A scene file as a show: nobody touches it; the camera is the file's, or frames all bodies.
 class SceneShow : public Show {
 public:
-    SceneShow(const io::Scene& scene, std::string name) : world_(io::build_world(scene)), name_(std::move(name)) {
+    SceneShow(const io::Scene& scene, std::string name)
+        : world_(io::build_world(scene)), probes_(io::make_probes(scene, world_)), name_(std::move(name)) {
         if (scene.camera) {
             camera_.eye_m = scene.camera->eye_m;
             camera_.target_m = scene.camera->target_m;
@@ -32,10 +36,12 @@ public:
         view.camera = camera_;
         if (world_.time_s() < 3) view.caption = name_;
     }
+    std::vector<Probe> make_probes() override { return probes_; }
     double duration_s() const override { return 300 * world_.def().time_step_s; }
 
 private:
     World world_;
+    std::vector<Probe> probes_;
     std::string name_;
     Camera camera_;
 };
@@ -55,8 +61,22 @@ OpenedShow open_show(const std::string& scene, const ShowOptions& options) {
         throw Error(ErrorCode::invalid_argument, scene, "is neither a scene file nor a demo; the demos are: " + demo_names());
     io::Scene read = io::read_scene(scene);
     if (options.threads > 0) read.world.threads = options.threads;
+    if (options.isa) read.world.isa = options.isa;
     const std::string name = fs::path(scene).stem().string();
     return {name, false, std::make_unique<SceneShow>(read, name)};
+}
+
+void add_isa_option(CLI::App& command, ShowOptions& options) {
+    command.add_option_function<std::string>(
+               "--isa",
+               [&options](const std::string& word) {
+                   options.isa.reset();
+                   for (const Isa isa : kAllIsas) {
+                       if (word == name(isa)) options.isa = isa;
+                   }
+               },
+               "instruction set of the kernels [auto: the widest that the processor has]")
+        ->check(CLI::IsMember({"auto", "scalar", "baseline", "avx2", "avx512"}));
 }
 
 fs::path find_asset(const std::string& name) {

@@ -5,7 +5,10 @@
 #include <vector>
 
 #include "supple/fem/elements.h"
+#include "supple/solve/lattice_multigrid.h"
 #include "supple/solve/linear_solver.h"
+#include "supple/solve/scalar_laplacian.h"
+#include "supple/world/prepared_loads.h"
 #include "supple/world/template_data.h"
 #include "supple/world/world.h"
 
@@ -26,6 +29,9 @@ struct BodyState {
     AlignedVector<double> quaternion; ///< [block][w x y z][lane] element rotations: warm start
     AlignedVector<double> plastic;    ///< [block][xx yy zz xy yz zx][lane] plastic strain, of elements that flow
     std::vector<std::uint8_t> frozen; ///< one entry: 1 after containment
+    std::vector<Vec3> hierarchy_x;    ///< configuration that the frozen preconditioner was built from: positions [m]
+    AlignedVector<double> hierarchy_quaternion;  ///< and element rotations
+    std::vector<std::int32_t> solver; ///< choices of preconditioner: SolverMemory in precondition.h
 
     template <class Self, class F>
     static void for_each_field(Self& s, F&& f) {
@@ -41,14 +47,10 @@ struct BodyState {
         f("element rotations", s.quaternion);
         f("plastic strains", s.plastic);
         f("frozen flag", s.frozen);
+        f("positions of the frozen preconditioner", s.hierarchy_x);
+        f("rotations of the frozen preconditioner", s.hierarchy_quaternion);
+        f("solver choices", s.solver);
     }
-};
-
-/// A load made ready: force on vertex[i] = weight[i] * value(t).
-struct PreparedLoad {
-    std::vector<std::int32_t> vertex;
-    std::vector<double> weight;
-    Timeline<Vec3> value;
 };
 
 struct Body;
@@ -77,7 +79,9 @@ struct System {
     System(const TemplateData& data, Isa isa, PreconditionerKind kind);
 
     solve::Bsr3<Real> A;
-    std::unique_ptr<solve::Preconditioner<Real>> preconditioner;
+    std::unique_ptr<solve::Preconditioner<Real>> preconditioner;  ///< block-Jacobi, always at hand; the factor where `direct` is asked for
+    std::unique_ptr<solve::LatticeMultigrid<Real>> multigrid;     ///< null until it is wanted
+    std::unique_ptr<solve::ScalarLaplacian<Real>> laplacian;      ///< null until it is wanted
     solve::LinearSolver<Real> solver;
     std::unique_ptr<ElementCoupling<Real>> coupling;  ///< null: the matrix is the whole tangent
 };
@@ -93,6 +97,7 @@ struct Workspace {
     std::vector<Vec3> v_good, target_v, unbalance;  ///< static: v0 of the last equilibrium, of the supports at their target; the forces not yet let in
     double withheld = 0;              ///< static: part of `unbalance` that is held back
     std::vector<Vec3> f_ext;          ///< gravity and loads
+    std::vector<Vec3> f_dead;         ///< of these, what does not follow the body; kept only where something does
     std::vector<Vec3> b, rhs, free_rhs;  ///< right-hand side; with drag springs; with held coordinates zeroed
     std::vector<Vec3> dv, residual, product;
     std::vector<double> diagonal;     ///< mass part of the matrix
@@ -102,8 +107,8 @@ struct Workspace {
 /// Stress of the current positions, made on request.
 struct StressCache {
     bool valid = false;
-    std::vector<Voigt> element, vertex;
-    std::vector<double> element_von_mises, vertex_von_mises;
+    std::vector<Voigt> element, vertex, scratch;
+    std::vector<double> element_von_mises, vertex_von_mises, element_energy;
     AlignedVector<double> quaternion, block_stress, block_energy;
     double energy_j = 0;
 };
@@ -129,9 +134,10 @@ struct Body {
     std::vector<double> stiffness_trace;  ///< of each vertex's diagonal block at rest [N/m]
     std::vector<std::int32_t> owner;  ///< [vertex * 3 + axis] kFree, kHeld, or an index into motions
     std::vector<Motion> motions;
-    std::vector<PreparedLoad> loads;
+    PreparedLoads loads;
     std::vector<std::int32_t> held_rows;    ///< matrix rows with a held coordinate of their own or of a neighbour
     bool supports_changed = true;
+    bool preconditioner_fits = false;  ///< the frozen one was built from state.hierarchy_x and the present supports
 
     BodyState state, start;
     Workspace work;
@@ -174,6 +180,8 @@ inline const double* plastic_strain(const Body& body) { return body.state.plasti
 
 /// @error Error(invalid_argument) naming the field of BodyDef
 std::unique_ptr<Body> make_body(const BodyDef& def, const WorldDef& world, std::size_t index, Isa isa);
+/// The elements of a body's law and moduli, afresh.
+std::unique_ptr<fem::Elements> make_body_elements(const Body& body, fem::MatrixPrecision precision, Tangent tangent, Isa isa, bool project);
 /// Fills body.stress from the current positions, unless it is valid.
 void update_stress(const Body& body, Team& team);
 

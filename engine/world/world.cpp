@@ -33,6 +33,10 @@ void check(const WorldDef& def) {
                     to_text(s.cg_relative_tolerance) + " is outside (0, 1); 1e-3 for games, 1e-5 for measurements");
     }
     check_count("solver.cg_max_iterations", s.cg_max_iterations, 1, 1000000, "2000 is usual");
+    require_in_range(s.step_budget_us, 0, 1e9, "WorldDef.solver.step_budget_us", "0 sets no limit");
+    if (def.isa && !is_supported(*def.isa)) {
+        throw Error(ErrorCode::unsupported, "WorldDef.isa", std::string(name(*def.isa)) + " is not built in or not in this processor; " + std::string(name(best_isa())) + " is");
+    }
     require_in_range(s.rayleigh_mass_1_s, 0, 1e6, "WorldDef.solver.rayleigh_mass_1_s");
     require_in_range(s.rayleigh_stiffness_s, 0, 1e3, "WorldDef.solver.rayleigh_stiffness_s");
 }
@@ -52,6 +56,7 @@ World::World(const WorldDef& def) : impl_(std::make_unique<Impl>()) {
     const bool is_static = solver.integrator == Integrator::quasi_static;
     if (solver.precision == Precision::automatic) solver.precision = is_static ? Precision::double_ : Precision::single;
     if (solver.tangent == Tangent::automatic) solver.tangent = is_static ? Tangent::exact : Tangent::warped;
+    impl_->isa = def.isa.value_or(best_isa());
     impl_->threads = def.threads == 0 ? hardware_threads() : def.threads;
 }
 
@@ -158,6 +163,7 @@ void World::set_gravity(const Vec3& gravity_m_s2) {
 }
 
 std::span<const Vec3> World::positions(BodyId id) const { return impl_->body(id).state.x; }
+std::vector<Vec3> World::start_positions(BodyId id) const { return impl_->body(id).start.x; }
 std::span<const Vec3> World::previous_positions(BodyId id) const { return impl_->body(id).state.x_previous; }
 std::span<const Vec3> World::velocities(BodyId id) const { return impl_->body(id).state.v; }
 std::span<const double> World::masses(BodyId id) const { return impl_->body(id).mass; }
@@ -183,6 +189,7 @@ Energy World::energy() const {
     for (const BodyId id : bodies()) {
         energy.elastic_j += stress_of(*impl_, id).energy_j;
         const Body& body = impl_->body(id);
+        energy.loads_j += body.loads.dead_potential_j(impl_->time_s(), body.state.x, body.start.x);
         for (std::size_t i = 0; i < body.vertices(); ++i) {
             energy.kinetic_j += 0.5 * body.mass[i] * body.state.v[i].squaredNorm();
             energy.gravity_j -= body.mass[i] * impl_->def.gravity_m_s2.dot(body.state.x[i]);

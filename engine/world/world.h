@@ -10,9 +10,11 @@
 #include "supple/base/id.h"
 #include "supple/base/log.h"
 #include "supple/material/material.h"
+#include "supple/math/isa.h"
 #include "supple/world/body_template.h"
 #include "supple/world/loads.h"
 #include "supple/world/step_report.h"
+#include "supple/world/stress.h"
 
 namespace supple {
 
@@ -34,10 +36,13 @@ enum class Integrator {
     quasi_static,    ///< scene key "static": no inertia; each step finds the equilibrium under the loads and supports of its end
 };
 
+/// How the linear solves are sped up. None changes the answer beyond the tolerance.
 enum class PreconditionerKind {
-    automatic,
-    block_jacobi,
-    direct,  ///< sparse Cholesky factor of every matrix: robust and slow; memory and time grow fast beyond some thousand vertices
+    automatic,          ///< by size and iteration counts, never by the clock: block-Jacobi where that takes few iterations, else the multigrid
+    block_jacobi,       ///< inverse of each vertex's own block: best for soft bodies and short steps
+    lattice_multigrid,  ///< a frozen hierarchy of lattices that turns with the body: iterations that hardly grow with size and stiffness
+    scalar_laplacian,   ///< Cholesky factor of a scalar matrix, made once: for small meshes full of slivers
+    direct,             ///< Cholesky factor of every matrix: robust and slow; memory and time grow fast beyond some thousand vertices
 };
 
 struct SolverDef {
@@ -53,6 +58,7 @@ struct SolverDef {
     PreconditionerKind preconditioner = PreconditionerKind::automatic;
     Precision precision = Precision::automatic;
     LineariseAt linearise_at = LineariseAt::prediction;
+    double step_budget_us = 0;             ///< time that a step may take, [0, 1e9]; 0 = as long as it needs. With it results depend on the clock
     double rayleigh_mass_1_s = 0;          ///< alpha of C = alpha M + beta K, [0, 1e6]
     double rayleigh_stiffness_s = 0;       ///< beta, [0, 1e3]
 };
@@ -64,6 +70,7 @@ struct WorldDef {
     int max_catch_up_steps = 4;       ///< advance() does at most so many steps per call, 1..1000
     bool stress_each_step = false;    ///< compute stress inside step() (Stage::stress); otherwise on the first request after it
     SolverDef solver{};
+    std::optional<Isa> isa{};         ///< instruction set of the kernels; empty = the widest that this processor has
     LogSink log{};
 };
 
@@ -82,7 +89,8 @@ struct BodyDef {
 
 struct Energy {
     double kinetic_j = 0, elastic_j = 0, gravity_j = 0;  ///< gravity: -sum m g.x, zero at the origin
-    double total_j() const { return kinetic_j + elastic_j + gravity_j; }
+    double loads_j = 0;  ///< dead loads: -sum f.(x - start position), zero at the start; what follows the body has no potential here
+    double total_j() const { return kinetic_j + elastic_j + gravity_j + loads_j; }
 };
 
 struct PickHit {
@@ -141,6 +149,7 @@ public:
 
     // -- results --------------------------------------------------------------------------------------
     std::span<const Vec3> positions(BodyId body) const;           ///< [m]
+    std::vector<Vec3> start_positions(BodyId body) const;         ///< where reset() puts it [m]
     std::span<const Vec3> previous_positions(BodyId body) const;  ///< before the last step: for interpolation [m]
     std::span<const Vec3> velocities(BodyId body) const;          ///< [m/s]
     std::span<const double> masses(BodyId body) const;            ///< lumped [kg]
@@ -148,6 +157,9 @@ public:
     std::span<const Voigt> cauchy_stress(BodyId body) const;      ///< per vertex [Pa]
     std::span<const double> element_von_mises(BodyId body) const; ///< per element [Pa]
     std::span<const Voigt> element_cauchy_stress(BodyId body) const;
+    /// Tensor, von Mises and principal stresses at vertices or elements by the strain and the recovery of `def`: any element, any law.
+    StressField stress(BodyId body, const StressDef& def = {}) const;
+    void stress(BodyId body, const StressDef& def, StressField& out) const;  ///< the same into arrays that are kept: allocates only to grow
     Energy energy() const;
     Vec3 reaction_n(BodyId body) const;      ///< force of the supports and prescribed motions on the body in the last step [N]
     Vec3 reaction_n() const;                 ///< the same, all bodies
@@ -173,6 +185,7 @@ public:
     struct Impl;  ///< private to world/
 
 private:
+    friend class Inspector;
     std::unique_ptr<Impl> impl_;
 };
 
