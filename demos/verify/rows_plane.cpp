@@ -89,7 +89,7 @@ void cooks_membrane(Table& table, const Settings& settings) {
                        kind == Kind::tets ? 0.03 : 0.01, std::log2((23.965 - coarse) / (23.965 - fine)));
         // Tets lock here unless their volumetric stiffness sits at the vertices; hexahedra have their inner modes.
         const Material rubber = Linear{.young_pa = 1, .poisson = 0.4999, .volumetric = Volumetric::nodal};
-        for (const int cells : kind == Kind::tets ? std::vector<int>{16, 48} : std::vector<int>{16})
+        for (const int cells : kind == Kind::tets ? std::vector<int>{16, 36} : std::vector<int>{16})
             table.relative("Cook's membrane, plane strain, nu = .4999, " + name(kind) + " " + std::to_string(cells) + " x " + std::to_string(cells) + ": middle of the edge [m/N]", 18.5,
                            cook(kind, cells, rubber, true, settings), kind == Kind::tets && cells == 16 ? 0.18 : 0.05);
     }
@@ -109,10 +109,10 @@ Mat3 kirsch(const Vec3& X) {
     return s;
 }
 
-/// A quarter of the plate to x, y <= 4: two patches around the hole, denser towards it.
+/// A quarter of the plate to x, y <= 4: two patches around the hole, denser towards it; two layers, for patch recovery wants vertices inside.
 VolumeMesh plate_with_hole(Kind kind, int n, double thickness) {
     const auto sector = [&](bool upper) {
-        return mapped_box(kind, {n, n, 1}, [=](const Vec3& s) {
+        return mapped_box(kind, {n, n, 2}, [=](const Vec3& s) {
             const double around = (upper ? 1 + s.y() : s.y()) * M_PI / 4;
             const Vec3 hole(std::cos(around), std::sin(around), 0);
             const Vec3 edge = upper ? Vec3(4 / std::tan(around), 4, 0) : Vec3(4, 4 * std::tan(around), 0);
@@ -132,7 +132,7 @@ void plate_hole(Table& table, const Settings& settings) {
             plate.load(traction_forces(plate.mesh(), on_plane(axis, 4), [&](const Vec3& X, const Vec3& normal) -> Vec3 { return tension * (kirsch(X) * normal); }));
         plate.solve();
         const double peak = von_mises(plate.stress_at(Vec3(0, 1, 0))) / tension;
-        table.relative("plate with a hole, " + name(kind) + ": peak von Mises / tension", 3, peak, kind == Kind::tets ? 0.03 : 0.05);
+        table.relative("plate with a hole, " + name(kind) + ": peak von Mises / tension", 3, peak, 0.03);
         const auto vertices = plate.nodal_stress();
         const double error = stress_error(plate.mesh(), vertices, {}, [&](const Vec3& X) -> Mat3 { return tension * kirsch(X); });
         table.below("plate with a hole, " + name(kind) + ": L2 error of the stress", error, 0.03);

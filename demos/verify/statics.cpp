@@ -65,6 +65,7 @@ void Statics::load(std::span<const Vec3> forces, const std::vector<double>& fact
 }
 
 void Statics::solve() {
+    nodal_stress_.clear();
     const StepReport report = world_.step();
     if (report.flags != StepFlag::none) throw std::runtime_error("no equilibrium: " + flags_text(report.flags));
 }
@@ -84,7 +85,10 @@ std::size_t Statics::nearest(const Vec3& X) const {
     return best;
 }
 
-std::span<const Voigt> Statics::nodal_stress() const { return world_.cauchy_stress(body_); }
+std::span<const Voigt> Statics::nodal_stress() const {
+    if (nodal_stress_.empty()) nodal_stress_ = world_.stress(body_, {.recovery = Recovery::spr}).cauchy_pa;
+    return nodal_stress_;
+}
 
 Voigt Statics::stress_at(const Vec3& X) const { return nodal_stress()[nearest(X)]; }
 
