@@ -1,6 +1,7 @@
 #pragma once
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -23,6 +24,7 @@ public:
 /// Settings that the command line overrides before the world is built.
 struct ShowOptions {
     int threads = 0;
+    std::optional<Isa> isa{};  ///< empty: the widest
 };
 
 /// A demo. Each lives in one file of demos/ and registers itself with a `const RegisterDemo`.

@@ -133,6 +133,10 @@ TEST(WorldAllocation, AStepAllocatesNothing) {
             def.solver.rayleigh_stiffness_s = 0.001;
             def.stress_each_step = true;
             expect_no_allocation(def, "Newton, damping, stress");
+            def.solver.preconditioner = PreconditionerKind::lattice_multigrid;
+            expect_no_allocation(def, "multigrid");
+            def.solver.preconditioner = PreconditionerKind::scalar_laplacian;
+            expect_no_allocation(def, "scalar Laplacian");
         }
     }
 }

@@ -6,6 +6,7 @@
 #include "supple/base/error.h"
 #include "supple/fem/stress.h"
 #include "supple/solve/chunked_sum.h"
+#include "supple/world/precondition.h"
 
 namespace supple {
 
@@ -153,6 +154,9 @@ std::unique_ptr<Body> make_body(const BodyDef& def, const WorldDef& world, std::
     s.moving.assign(1, 0);
     if (body->elements->is_plastic()) s.plastic.assign(blocks * 6 * fem::kBlock, 0.0);
     s.frozen.assign(1, 0);
+    s.hierarchy_x = data.mesh.vertices;
+    s.hierarchy_quaternion = s.quaternion;
+    s.solver.assign(kMemoryCount, 0);
     body->start = s;
 
     size_workspace(body->work, body->layout());

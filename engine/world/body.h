@@ -5,7 +5,9 @@
 #include <vector>
 
 #include "supple/fem/elements.h"
+#include "supple/solve/lattice_multigrid.h"
 #include "supple/solve/linear_solver.h"
+#include "supple/solve/scalar_laplacian.h"
 #include "supple/world/template_data.h"
 #include "supple/world/world.h"
 
@@ -26,6 +28,9 @@ struct BodyState {
     AlignedVector<double> quaternion; ///< [block][w x y z][lane] element rotations: warm start
     AlignedVector<double> plastic;    ///< [block][xx yy zz xy yz zx][lane] plastic strain, of elements that flow
     std::vector<std::uint8_t> frozen; ///< one entry: 1 after containment
+    std::vector<Vec3> hierarchy_x;    ///< configuration that the frozen preconditioner was built from: positions [m]
+    AlignedVector<double> hierarchy_quaternion;  ///< and element rotations
+    std::vector<std::int32_t> solver; ///< choices of preconditioner: SolverMemory in precondition.h
 
     template <class Self, class F>
     static void for_each_field(Self& s, F&& f) {
@@ -41,6 +46,9 @@ struct BodyState {
         f("element rotations", s.quaternion);
         f("plastic strains", s.plastic);
         f("frozen flag", s.frozen);
+        f("positions of the frozen preconditioner", s.hierarchy_x);
+        f("rotations of the frozen preconditioner", s.hierarchy_quaternion);
+        f("solver choices", s.solver);
     }
 };
 
@@ -77,7 +85,9 @@ struct System {
     System(const TemplateData& data, Isa isa, PreconditionerKind kind);
 
     solve::Bsr3<Real> A;
-    std::unique_ptr<solve::Preconditioner<Real>> preconditioner;
+    std::unique_ptr<solve::Preconditioner<Real>> preconditioner;  ///< block-Jacobi, always at hand; the factor where `direct` is asked for
+    std::unique_ptr<solve::LatticeMultigrid<Real>> multigrid;     ///< null until it is wanted
+    std::unique_ptr<solve::ScalarLaplacian<Real>> laplacian;      ///< null until it is wanted
     solve::LinearSolver<Real> solver;
     std::unique_ptr<ElementCoupling<Real>> coupling;  ///< null: the matrix is the whole tangent
 };
@@ -132,6 +142,7 @@ struct Body {
     std::vector<PreparedLoad> loads;
     std::vector<std::int32_t> held_rows;    ///< matrix rows with a held coordinate of their own or of a neighbour
     bool supports_changed = true;
+    bool preconditioner_fits = false;  ///< the frozen one was built from state.hierarchy_x and the present supports
 
     BodyState state, start;
     Workspace work;

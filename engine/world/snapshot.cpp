@@ -9,7 +9,7 @@ namespace supple {
 namespace {
 
 constexpr std::uint64_t kMagic = 0x31504e53504c5053ULL;  // "SPLPSNP1", little-endian
-constexpr std::uint32_t kVersion = 1;
+constexpr std::uint32_t kVersion = 2;
 
 std::uint64_t checksum(std::span<const std::byte> bytes) {
     Hasher hasher;
@@ -139,6 +139,7 @@ void World::reset() {
     w.drags.clear();
     for (const std::uint32_t slot : w.order) {
         Body& body = *w.slots[slot].body;
+        if (body.state.hierarchy_x != body.start.hierarchy_x) body.preconditioner_fits = false;
         body.state = body.start;
         body.stress.valid = false;
     }

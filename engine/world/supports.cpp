@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "supple/mesh/selection.h"
-#include "supple/world/stages.h"
+#include "supple/world/precondition.h"
 
 namespace supple {
 
@@ -145,6 +145,7 @@ void refresh_supports(World::Impl& world, BodyId id, Body& body) {
         }
     }
     body.supports_changed = false;
+    body.preconditioner_fits = false;
 }
 
 }  // namespace supple

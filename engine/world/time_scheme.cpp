@@ -64,7 +64,7 @@ void begin_scheme(StepContext& ctx, Body& body) {
     const bool history = s.moving[0] != 0;
     if (integrator == Integrator::newmark && !history) start_accelerations(ctx, body);
     const bool second_order = integrator == Integrator::newmark || (integrator == Integrator::bdf2 && history);
-    w.h = integrator == Integrator::newmark ? h / 2 : second_order ? 2 * h / 3 : h;
+    w.h = integrator == Integrator::bdf2 && !history ? h : scheme_step(def);
     ctx.team.for_range(body.vertices(), kRowChunk, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             w.v0[i] = s.v[i];

@@ -33,6 +33,10 @@ void check(const WorldDef& def) {
                     to_text(s.cg_relative_tolerance) + " is outside (0, 1); 1e-3 for games, 1e-5 for measurements");
     }
     check_count("solver.cg_max_iterations", s.cg_max_iterations, 1, 1000000, "2000 is usual");
+    require_in_range(s.step_budget_us, 0, 1e9, "WorldDef.solver.step_budget_us", "0 sets no limit");
+    if (def.isa && !is_supported(*def.isa)) {
+        throw Error(ErrorCode::unsupported, "WorldDef.isa", std::string(name(*def.isa)) + " is not built in or not in this processor; " + std::string(name(best_isa())) + " is");
+    }
     require_in_range(s.rayleigh_mass_1_s, 0, 1e6, "WorldDef.solver.rayleigh_mass_1_s");
     require_in_range(s.rayleigh_stiffness_s, 0, 1e3, "WorldDef.solver.rayleigh_stiffness_s");
 }
@@ -52,6 +56,7 @@ World::World(const WorldDef& def) : impl_(std::make_unique<Impl>()) {
     const bool is_static = solver.integrator == Integrator::quasi_static;
     if (solver.precision == Precision::automatic) solver.precision = is_static ? Precision::double_ : Precision::single;
     if (solver.tangent == Tangent::automatic) solver.tangent = is_static ? Tangent::exact : Tangent::warped;
+    impl_->isa = def.isa.value_or(best_isa());
     impl_->threads = def.threads == 0 ? hardware_threads() : def.threads;
 }
 
