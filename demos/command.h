@@ -15,6 +15,7 @@ void add_record_command(CLI::App& app, int& status);
 void add_bench_command(CLI::App& app, int& status);
 void add_eval_command(CLI::App& app, int& status);
 void add_mesh_command(CLI::App& app, int& status);
+void add_verify_command(CLI::App& app, int& status);
 
 /// --isa: forces an instruction set.
 void add_isa_option(CLI::App& command, ShowOptions& options);

@@ -301,8 +301,6 @@ TEST(IoScene, WhatThisBuildCannotDoIsRefusedByItsKey) {
     for (const char* key : {"pressure_pa", "moment_nm", "follower", "axis"}) {
         refuse(one_body(std::string(R"("loads": [{"all": true, ")") + key + R"(": 1}])"), std::string("/bodies/0/loads/0/") + key, {key, "traction_pa"});
     }
-    refuse(R"({"supple_scene": 1, "bodies": [{"box": {"min_m": [0, 0, 0], "max_m": [1, 1, 1], "cells": [1, 1, 1], "elements": "hexes"}}]})",
-           "/bodies/0/box/elements", {"tets"});
 }
 
 TEST(IoScene, EveryLawReadsItsParameters) {
@@ -350,7 +348,24 @@ TEST(IoScene, MistakesInMeshesNameBothPlaces) {
     };
     refuse(ErrorCode::surface_mesh, "surface.obj", {"surface.obj", "surface mesh"});
     refuse(ErrorCode::parse, "broken.msh", {"broken.msh:3", "zero"});
-    refuse(ErrorCode::unsupported, "hexes.msh", {"hexahedra", "hexes.msh"});
+    VolumeMesh folded = make_hex_box({});
+    std::swap(folded.vertices[6], folded.vertices[7]);
+    write_gmsh(folder / "folded.msh", folded);
+    refuse(ErrorCode::invalid_argument, "folded.msh", {"folded.msh", "hex 0", "Jacobian"});
+    EXPECT_EQ(parse_scene(scene_of("hexes.msh"), folder.path(), "s.json").bodies.at(0).def.shape->mesh().hexes.size(), 1u);
+}
+
+TEST(IoScene, HexBoxesAndTheIntegrationOfTheirElements) {
+    const auto parsed = [](const std::string& material) {
+        return body_of(parse(R"({"supple_scene": 1, "bodies": [{"box": {"min_m": [0, 0, 0], "max_m": [1, 1, 1], "cells": [2, 1, 1], "elements": "hexes"},
+                                 "material": )" + material + "}]}")).def;
+    };
+    EXPECT_EQ(parsed("{}").shape->mesh().hexes.size(), 2u);
+    EXPECT_EQ(parsed("{}").shape->mesh().tets.size(), 0u);
+    EXPECT_EQ(std::get<Corotational>(parsed("{}").material).integration, Integration::incompatible);
+    EXPECT_EQ(std::get<Corotational>(parsed(R"({"integration": "full"})").material).integration, Integration::full);
+    EXPECT_EQ(std::get<Linear>(parsed(R"({"law": "linear", "integration": "full"})").material).integration, Integration::full);
+    EXPECT_EQ(std::get<Linear>(parsed(R"({"law": "linear", "integration": "incompatible"})").material).integration, Integration::incompatible);
 }
 
 TEST(IoScene, OnlyErrorsEscapeFromMutatedScenes) {

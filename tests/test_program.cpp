@@ -283,7 +283,9 @@ TEST_F(Program, EvalRefusesWrongInput) {
     expect_refused(with({"word.txt"}), "word.txt:2");
     expect_refused(with({"p.txt", "--direction", "p.txt"}), "--dforces");
     expect_refused(with({"p.txt", "--dforces", "d.txt"}), "--direction");
-    expect_refused(with({"p.txt", "--direction", "p.txt", "--dforces", "d.txt", "--tangent", "exact"}), "warped");
+    expect_refused(supple({"eval", "--mesh", "bar.msh", "--material", R"({"law": "corotational", "rotation": "large"})", "--positions", "p.txt",
+                           "--direction", "p.txt", "--dforces", "d.txt", "--tangent", "exact"}),
+                   "warped");
     expect_refused(supple({"eval", "--mesh", "bar.msh", "--material", R"({"law": "NeoHookean", "mu_pa": 1e4, "lambda_pa": 1e5})", "--positions",
                            "p.txt", "--direction", "p.txt", "--dforces", "d.txt", "--tangent", "warped"}),
                    "exact");
@@ -369,6 +371,22 @@ TEST_F(Program, SlowBenchOfTheStandardBarsFindsTheTip) {
     double distance = 0;
     for (int i = 0; i < 3; ++i) distance += std::pow(bar.at("tip_m")[i].get<double>() - expected[i], 2);
     EXPECT_LT(std::sqrt(distance), 0.003 * 0.4);
+}
+
+// -- the verification suite -------------------------------------------------------------------------------
+
+TEST_F(Program, VerifyPrintsATableAndFailsWhereItShould) {
+    const Result text = supple({"verify", "--row", "7"});
+    EXPECT_EQ(text.status, 0) << text.out;
+    EXPECT_NE(text.out.find("StVenantKirchhoff, tets, shear 0.5"), std::string::npos) << text.out;
+    EXPECT_EQ(text.out.find("FAIL"), std::string::npos);
+    const Result markdown = supple({"verify", "--row", "1", "--row", "7", "--markdown"});
+    EXPECT_EQ(markdown.status, 0);
+    EXPECT_EQ(markdown.out.rfind("| row | case |", 0), 0u) << markdown.out;
+    EXPECT_NE(markdown.out.find("\n| 1 | rigid motion"), std::string::npos) << markdown.out;
+    const Result list = supple({"verify", "--list"});
+    EXPECT_NE(list.out.find("20  manufactured solution"), std::string::npos) << list.out;
+    expect_refused(supple({"verify", "--row", "99"}), "99");
 }
 
 // -- drawing ------------------------------------------------------------------------------------------

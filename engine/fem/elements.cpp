@@ -1,8 +1,12 @@
-#include "supple/fem/elements.h"
+#include "supple/fem/element_groups.h"
+
+#include <algorithm>
+#include <optional>
 
 #include "supple/base/assert.h"
 #include "supple/fem/element_passes.h"
 #include "supple/fem/hyper_parameters.h"
+#include "supple/fem/nodal_volume.h"
 #include "supple/fem/rest.h"
 #include "supple/fem/tet4_hyper.h"
 
@@ -10,33 +14,47 @@ namespace supple::fem {
 
 namespace {
 
-/// Rows per chunk of an assembly.
-constexpr std::size_t kRowChunk = 512;
+/// What elements keep of their lambda beside a NodalVolume; the rest goes to the vertices.
+Lame kept(const Lame& lame) { return {std::min(lame.lambda_pa, lame.mu_pa), lame.mu_pa}; }
 
-template <class Assembly>
-void fill_lists(Assembly& pass, const MatrixLists& lists, double scale, std::span<const double> shift) {
-    pass.row_start = lists.row_start.data();
-    pass.column = lists.column.data();
-    pass.mirror = lists.mirror.data();
-    pass.contribution_start = lists.contribution_start.data();
-    pass.contribution = lists.contribution.data();
-    pass.stiffness_scale = scale;
-    pass.diagonal_shift = shift.data();
+std::vector<Lame> kept(std::vector<Lame> lame, Volumetric volumetric) {
+    if (volumetric == Volumetric::nodal) std::transform(lame.begin(), lame.end(), lame.begin(), [](const Lame& l) { return kept(l); });
+    return lame;
 }
+
+const Material& first_material(const GroupDef& def, const ElementMaterials& materials) { return materials.of(std::size_t(def.group->element[0])); }
 
 /// Linear elasticity in a frame: small displacements and the corotational methods.
 class FrameTets final : public Elements {
 public:
-    FrameTets(const ElementsDef& def, Frame frame)
-        : def_(def), moduli_(make_moduli(*def.rest, def.lame)), set_{*def.rest, *def.corners, moduli_, tet4_kernels(def.isa), frame} {
-        const std::size_t records = def.rest->blocks() * kBlock * kRecord;
-        if (def.precision == MatrixPrecision::single) record_f_.resize(records);
-        if (def.precision == MatrixPrecision::double_) record_d_.resize(records);
+    FrameTets(const GroupDef& def, const ElementMaterials& materials)
+        : def_(def),
+          moduli_(make_moduli(def.group->tets.blocks(), kept(group_lame(*def.group, materials), volumetric_of(first_material(def, materials))))),
+          set_{def.group->tets, moduli_, tet4_kernels(def.isa), frame_of(first_material(def, materials))},
+          flow_(group_plasticity(*def.group, materials)) {
+        const std::size_t lanes = set_.rest.blocks() * kBlock;
+        const bool exact = def.exact_rotation && (set_.frame == Frame::polar || set_.frame == Frame::svd);
+        if (exact) twist_.resize(lanes * 6);
+        if (volumetric_of(first_material(def, materials)) == Volumetric::nodal) {
+            std::vector<double> excess;
+            for (const Lame& l : group_lame(*def.group, materials)) excess.push_back(l.lambda_pa - kept(l).lambda_pa);
+            nodal_.emplace(set_.rest, excess);
+            dilatation_.resize(lanes);
+            pressure_.resize(lanes);
+        }
+        if (def.precision == MatrixPrecision::single) {
+            record_f_.resize(lanes * kRecord);
+            if (exact) twist_f_.resize(lanes * kTwistRecord);
+        }
+        if (def.precision == MatrixPrecision::double_) {
+            record_d_.resize(lanes * kRecord);
+            if (exact) twist_d_.resize(lanes * kTwistRecord);
+        }
         if (def.precision == MatrixPrecision::none) return;
-        laplacian_.assign(def.lists.blocks(), 0.0);
+        laplacian_.assign(def.pattern.blocks(), 0.0);
         for (std::size_t b = 0; b < laplacian_.size(); ++b) {
-            for (std::int64_t i = def.lists.contribution_start[b]; i < def.lists.contribution_start[b + 1]; ++i) {
-                laplacian_[b] += laplacian_entry(*def.rest, moduli_, def.lists.contribution[std::size_t(i)]);
+            for (std::int64_t i = def.contributions.start[b]; i < def.contributions.start[b + 1]; ++i) {
+                laplacian_[b] += laplacian_entry(set_.rest, moduli_, def.contributions.pair[std::size_t(i)]);
             }
         }
     }
@@ -45,52 +63,100 @@ public:
         Tet4Pass pass;
         pass.position = position;
         pass.quaternion = quaternion;
+        if (nodal_) {  // the pressures first: they need the dilatation of every element
+            pass.dilatation = dilatation_.data();
+            run_elements(team, set_, pass);
+            nodal_->pressures(team, dilatation_.data(), pressure_.data());
+            pass.dilatation = nullptr;
+            pass.pressure = pressure_.data();
+        }
         pass.corner_force = outputs.corner_force;
         pass.energy = outputs.energy;
         pass.stress = outputs.stress;
-        if (outputs.tangent && !record_f_.empty()) pass.record_f = record_f_.data();
-        if (outputs.tangent && !record_d_.empty()) pass.record_d = record_d_.data();
+        pass.plastic = outputs.plastic;
+        pass.project = def_.project;
+        const auto give = [&](auto& array) { return outputs.tangent && !array.empty() ? array.data() : nullptr; };
+        pass.record_f = give(record_f_);
+        pass.record_d = give(record_d_);
+        pass.twist = give(twist_);
+        pass.twist_f = give(twist_f_);
+        pass.twist_d = give(twist_d_);
         run_elements(team, set_, pass);
+        if (nodal_ && outputs.energy != nullptr) nodal_->add_energy(outputs.energy);
     }
 
-    void product(Team& team, const double* quaternion, std::span<const Vec3> field, AlignedVector<double>& corner,
-                 std::vector<Vec3>& out) override {
-        stiffness_product(team, set_, quaternion, field, corner, out);
+    void product(Team& team, const double* quaternion, const double* field, double* corner_value) override {
+        Tet4Product pass;
+        pass.quaternion = quaternion;
+        pass.twist = twist_.empty() ? nullptr : twist_.data();
+        pass.field = field;
+        if (nodal_) {
+            pass.dilatation = dilatation_.data();
+            run_product(team, set_, pass);
+            nodal_->pressures(team, dilatation_.data(), pressure_.data());
+            pass.dilatation = nullptr;
+            pass.pressure = pressure_.data();
+        }
+        pass.corner_force = corner_value;
+        run_product(team, set_, pass);
+    }
+
+    bool is_coupled() const override { return nodal_.has_value(); }
+    void couple(Team& team, double scale, const float* x, float* y) override { nodal_->multiply_add(team, record_f_.data(), scale, x, y); }
+    void couple(Team& team, double scale, const double* x, double* y) override { nodal_->multiply_add(team, record_d_.data(), scale, x, y); }
+    void add_coupling_diagonal(Team& team, std::span<Mat3> diagonal) override {
+        if (!record_f_.empty()) nodal_->add_diagonal(team, record_f_.data(), diagonal);
+        if (!record_d_.empty()) nodal_->add_diagonal(team, record_d_.data(), diagonal);
+    }
+
+    bool is_plastic() const override { return flow_.any(); }
+
+    void flow(Team& team, const double* position, double* quaternion, double* plastic, double h) override {
+        if (!flow_.any()) return;
+        const Tet4Flow pass{set_.rest.vertex.data(), set_.rest.gradient.data(), position, flow_.parameters(h), quaternion, plastic};
+        team.for_range(set_.rest.blocks(), kBlockChunk,
+                       [&](std::size_t begin, std::size_t end) { set_.kernels.flow[std::size_t(set_.frame)](pass, begin, end); });
     }
 
     void assemble(Team& team, double scale, std::span<const double> shift, float* value) override {
-        assemble_rows(team, scale, shift, record_f_, value, set_.kernels.assemble_f);
+        assemble_rows(team, scale, shift, record_f_, twist_f_, value, set_.kernels.assemble_f);
     }
     void assemble(Team& team, double scale, std::span<const double> shift, double* value) override {
-        assemble_rows(team, scale, shift, record_d_, value, set_.kernels.assemble_d);
+        assemble_rows(team, scale, shift, record_d_, twist_d_, value, set_.kernels.assemble_d);
     }
 
 private:
     template <class Real, class Kernel>
-    void assemble_rows(Team& team, double scale, std::span<const double> shift, const AlignedVector<Real>& record, Real* value, Kernel kernel) {
+    void assemble_rows(Team& team, double scale, std::span<const double> shift, const AlignedVector<Real>& record,
+                       const AlignedVector<Real>& twist, Real* value, Kernel kernel) {
         SUPPLE_ASSERT(!record.empty());
         Tet4Assembly<Real> pass;
-        fill_lists(pass, def_.lists, scale, shift);
+        fill_lists(pass, def_, scale, shift);
         pass.record = record.data();
+        if (!twist.empty()) pass.twist = twist.data();
         pass.laplacian = laplacian_.data();
         pass.value = value;
-        team.for_range(def_.lists.rows(), kRowChunk, [&](std::size_t begin, std::size_t end) { kernel(pass, begin, end); });
+        team.for_range(def_.pattern.rows(), kAssemblyChunk, [&](std::size_t begin, std::size_t end) { kernel(pass, begin, end); });
     }
 
-    ElementsDef def_;
+    GroupDef def_;
     AlignedVector<double> moduli_;
     ElementSet set_;
+    PlasticFlow flow_;
+    std::optional<NodalVolume> nodal_;
+    AlignedVector<double> dilatation_, pressure_;
     std::vector<double> laplacian_;  ///< [matrix block] sum of mu V g_a.g_b
-    AlignedVector<float> record_f_;
-    AlignedVector<double> record_d_;
+    AlignedVector<float> record_f_, twist_f_;
+    AlignedVector<double> record_d_, twist_d_;
+    AlignedVector<double> twist_;    ///< exact tangent only
 };
 
 /// Hyperelastic laws in principal stretches.
 class HyperTets final : public Elements {
 public:
-    HyperTets(const ElementsDef& def, HyperParameters parameters)
-        : def_(def), parameters_(std::move(parameters)), kernels_(tet4_hyper_kernels(def.isa)) {
-        const std::size_t lanes = def.rest->blocks() * kBlock;
+    HyperTets(const GroupDef& def, const ElementMaterials& materials)
+        : def_(def), rest_(def.group->tets), parameters_(make_hyper_parameters(*def.group, materials)), kernels_(tet4_hyper_kernels(def.isa)) {
+        const std::size_t lanes = rest_.blocks() * kBlock;
         tangent_.resize(lanes * kTangent);
         if (def.precision == MatrixPrecision::single) block_f_.resize(lanes * kElementBlocks);
         if (def.precision == MatrixPrecision::double_) block_d_.resize(lanes * kElementBlocks);
@@ -98,9 +164,9 @@ public:
 
     void evaluate(Team& team, const double* position, double* quaternion, const ElementOutputs& outputs) override {
         Tet4HyperPass pass;
-        pass.vertex = def_.rest->vertex.data();
-        pass.gradient = def_.rest->gradient.data();
-        pass.volume = def_.rest->volume.data();
+        pass.vertex = rest_.vertex.data();
+        pass.gradient = rest_.gradient.data();
+        pass.volume = rest_.volume.data();
         pass.parameter = parameters_.field.data();
         pass.parameters = parameters_.count;
         pass.position = position;
@@ -115,14 +181,12 @@ public:
             if (!block_d_.empty()) pass.block_d = block_d_.data();
         }
         const auto kernel = kernels_.elements[std::size_t(parameters_.law)];
-        team.for_range(def_.rest->blocks(), kBlockChunk, [&](std::size_t begin, std::size_t end) { kernel(pass, begin, end); });
+        team.for_range(rest_.blocks(), kBlockChunk, [&](std::size_t begin, std::size_t end) { kernel(pass, begin, end); });
     }
 
-    void product(Team& team, const double*, std::span<const Vec3> field, AlignedVector<double>& corner, std::vector<Vec3>& out) override {
-        const Tet4HyperProduct pass{def_.rest->vertex.data(), def_.rest->gradient.data(), def_.rest->volume.data(),
-                                    tangent_.data(),          field.data()->data(),       corner.data()};
-        team.for_range(def_.rest->blocks(), kBlockChunk, [&](std::size_t begin, std::size_t end) { kernels_.product(pass, begin, end); });
-        gather(team, *def_.corners, corner, out);
+    void product(Team& team, const double*, const double* field, double* corner_value) override {
+        const Tet4HyperProduct pass{rest_.vertex.data(), rest_.gradient.data(), rest_.volume.data(), tangent_.data(), field, corner_value};
+        team.for_range(rest_.blocks(), kBlockChunk, [&](std::size_t begin, std::size_t end) { kernels_.product(pass, begin, end); });
     }
 
     void assemble(Team& team, double scale, std::span<const double> shift, float* value) override {
@@ -137,13 +201,14 @@ private:
     void assemble_rows(Team& team, double scale, std::span<const double> shift, const AlignedVector<Real>& block, Real* value, Kernel kernel) {
         SUPPLE_ASSERT(!block.empty());
         BlockAssembly<Real> pass;
-        fill_lists(pass, def_.lists, scale, shift);
+        fill_lists(pass, def_, scale, shift);
         pass.block = block.data();
         pass.value = value;
-        team.for_range(def_.lists.rows(), kRowChunk, [&](std::size_t begin, std::size_t end) { kernel(pass, begin, end); });
+        team.for_range(def_.pattern.rows(), kAssemblyChunk, [&](std::size_t begin, std::size_t end) { kernel(pass, begin, end); });
     }
 
-    ElementsDef def_;
+    GroupDef def_;
+    const Tet4Rest& rest_;
     HyperParameters parameters_;
     const Tet4HyperKernels& kernels_;
     AlignedVector<double> tangent_;
@@ -153,9 +218,7 @@ private:
 
 }  // namespace
 
-std::unique_ptr<Elements> make_elements(const ElementsDef& def, const Material& material) {
-    if (is_hyperelastic(material)) return std::make_unique<HyperTets>(def, make_hyper_parameters(*def.rest, material));
-    return std::make_unique<FrameTets>(def, frame_of(material));
-}
+std::unique_ptr<Elements> make_frame_tets(const GroupDef& def, const ElementMaterials& materials) { return std::make_unique<FrameTets>(def, materials); }
+std::unique_ptr<Elements> make_hyper_tets(const GroupDef& def, const ElementMaterials& materials) { return std::make_unique<HyperTets>(def, materials); }
 
 }  // namespace supple::fem

@@ -4,23 +4,27 @@
 #include <vector>
 
 #include "supple/base/parallel.h"
-#include "supple/fem/corners.h"
-#include "supple/fem/tet4.h"
+#include "supple/fem/element_layout.h"
 #include "supple/material/material.h"
 
 namespace supple::fem {
 
-/// Index lists of the matrix that elements are assembled into (solve::Bsr3Pattern and solve::GatherMap, which this room does not know).
-struct MatrixLists {
+/// Index lists of the matrix that elements are assembled into (solve::Bsr3Pattern, which this room does not know).
+struct MatrixPattern {
     std::span<const std::int32_t> row_start, column, mirror;
-    std::span<const std::int64_t> contribution_start;
-    std::span<const std::uint32_t> contribution;
     std::size_t rows() const { return row_start.size() - 1; }
     std::size_t blocks() const { return column.size(); }
 };
 
-/// What an evaluation is asked for; null is not computed. Layouts as in Tet4Pass.
+/// Which pairs of corners of a group's elements make up each block (solve::GatherMap).
+struct Contributions {
+    std::span<const std::int64_t> start;
+    std::span<const std::uint32_t> pair;
+};
+
+/// What an evaluation is asked for; null is not computed. Layouts as in Tet4Pass, all groups one after the other (ElementLayout).
 struct ElementOutputs {
+    const double* plastic = nullptr;  ///< in: plastic strain of elements that flow
     double* corner_force = nullptr;
     double* energy = nullptr;
     double* stress = nullptr;
@@ -30,8 +34,8 @@ struct ElementOutputs {
 /// Which matrix precision a set of elements prepares for.
 enum class MatrixPrecision { none, single, double_ };
 
-/// The elastic elements of one body, whatever their law: forces and tangent of a configuration. The body's positions and element rotations
-/// stay with the caller; the tangent of the last evaluation lives here.
+/// The elastic elements of one body, whatever their kinds and laws: forces and tangent of a configuration. The body's positions and element
+/// rotations stay with the caller; the tangent of the last evaluation lives here. One group of elements is one of these; several are one again.
 class Elements {
 public:
     virtual ~Elements() = default;
@@ -40,26 +44,57 @@ public:
     /// @param quaternion  [block][w x y z][lane], warm start in, rotations out
     virtual void evaluate(Team& team, const double* position, double* quaternion, const ElementOutputs& outputs) = 0;
 
-    /// out = K field, K the tangent of the last evaluation: float64, matrix-free. `corner` is scratch, 16 numbers per lane.
-    virtual void product(Team& team, const double* quaternion, std::span<const Vec3> field, AlignedVector<double>& corner,
-                         std::vector<Vec3>& out) = 0;
+    /// K field, K the tangent of the last evaluation, element by element: float64, matrix-free.
+    /// @param corner_value  out [place][x y z 0]: to be gathered (fem::gather)
+    virtual void product(Team& team, const double* quaternion, const double* field, double* corner_value) = 0;
 
     /// value = stiffness_scale K + diag(diagonal_shift), [block][column][x y z 0]; in the precision given at construction.
+    /// With an empty diagonal_shift stiffness_scale K is added to what is there.
     virtual void assemble(Team& team, double stiffness_scale, std::span<const double> diagonal_shift, float* value) = 0;
     virtual void assemble(Team& team, double stiffness_scale, std::span<const double> diagonal_shift, double* value) = 0;
+
+    /// Whether a part of the tangent is too wide for the matrix's pattern (NodalVolume): assemble() leaves it out, product() has it.
+    virtual bool is_coupled() const { return false; }
+    /// y += scale times that part times x, [vertex][x y z 0]; needs the precision given at construction.
+    virtual void couple(Team&, double /*scale*/, const float* /*x*/, float* /*y*/) {}
+    virtual void couple(Team&, double /*scale*/, const double* /*x*/, double* /*y*/) {}
+    /// Adds its diagonal blocks [N/m], one per vertex.
+    virtual void add_coupling_diagonal(Team&, std::span<Mat3> /*diagonal*/) {}
+
+    /// Whether any element can flow: then the caller keeps plastic strains, [block][xx yy zz xy yz zx][lane], zero at first.
+    virtual bool is_plastic() const { return false; }
+    /// Plastic flow of a step of h seconds that ended at these positions.
+    virtual void flow(Team&, const double* /*position*/, double* /*quaternion*/, double* /*plastic*/, double /*h*/) {}
+};
+
+/// Materials of a body's elements: one for all, or several and the index of each element's.
+struct ElementMaterials {
+    std::vector<Material> materials;                ///< at least one, validated (small_strain)
+    std::vector<std::int32_t> material_of_element;  ///< empty (all have the first), or one per element of the mesh
+    std::vector<Lame> lame;                         ///< empty, or one per element of the mesh: in place of the moduli of linear and corotational materials
+
+    const Material& of(std::size_t element) const { return materials[material_of_element.empty() ? 0 : std::size_t(material_of_element[element])]; }
+    /// Small-strain moduli of an element.
+    Lame lame_of(std::size_t element) const { return lame.empty() ? small_strain(of(element)) : lame[element]; }
+    /// Of the elements' laws; elements of one kind and family are one group. All that may differ inside a family are numbers.
+    std::vector<std::int32_t> families(std::size_t elements) const;
 };
 
 struct ElementsDef {
-    const Tet4Rest* rest = nullptr;
-    const CornerMap* corners = nullptr;
-    MatrixLists lists;                                 ///< may be empty with MatrixPrecision::none
+    const ElementLayout* layout = nullptr;     ///< grouped by ElementMaterials::families(); outlives the elements
+    MatrixPattern pattern;                     ///< may be empty with MatrixPrecision::none, like the next
+    std::vector<Contributions> contributions;  ///< one per group
     MatrixPrecision precision = MatrixPrecision::none;
     Isa isa = Isa::scalar;
-    std::vector<Lame> lame;                            ///< linear and corotational: one per element, or one for all
-    bool project = true;                               ///< hyperelastic: tangent made positive semidefinite
+    bool project = true;                       ///< tangent made positive semidefinite
+    bool exact_rotation = false;               ///< corotational tets, polar or svd: the tangent has the rotation's derivative
 };
 
-/// Elements of a validated material.
-std::unique_ptr<Elements> make_elements(const ElementsDef& def, const Material& material);
+/// @error Error(invalid_argument) for a hexahedron whose map is folded at an integration point
+std::unique_ptr<Elements> make_elements(const ElementsDef& def, const ElementMaterials& materials);
+
+/// out = K field: product() and the gather. `corner` is scratch, 4 numbers per place.
+void stiffness_product(Team& team, Elements& elements, const ElementLayout& layout, const double* quaternion, std::span<const Vec3> field,
+                       AlignedVector<double>& corner, std::vector<Vec3>& out);
 
 }  // namespace supple::fem

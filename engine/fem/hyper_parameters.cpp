@@ -27,20 +27,28 @@ Listed list(const Corotational&) { return {}; }
 
 }  // namespace
 
-HyperParameters make_hyper_parameters(const Tet4Rest& rest, const Material& material) {
-    const Listed listed = std::visit([](const auto& m) { return list(m); }, material);
+HyperParameters make_hyper_parameters(const ElementGroup& group, const ElementMaterials& materials) {
+    std::vector<Listed> listed;
+    std::vector<double> inversion;
+    for (const Material& material : materials.materials) {
+        listed.push_back(std::visit([](const auto& m) { return list(m); }, material));
+        // A turned-out element is pushed back about as hard as a thoroughly squeezed one: ten times the small-strain stiffness of uniaxial strain.
+        const Lame small = small_strain(material);
+        inversion.push_back(10 * (std::max(small.lambda_pa, 0.0) + 2 * small.mu_pa));
+    }
+    const auto material_of = [&](std::size_t i) {
+        const std::size_t element = std::size_t(group.element[std::min(i, group.element.size() - 1)]);
+        return materials.material_of_element.empty() ? 0 : std::size_t(materials.material_of_element[element]);
+    };
     HyperParameters parameters;
-    parameters.law = listed.law;
-    parameters.count = listed.values.size() + 1;
-    parameters.field.resize(rest.blocks() * parameters.count * kBlock);
-    // A turned-out element is pushed back about as hard as a thoroughly squeezed one: ten times the small-strain stiffness of uniaxial strain.
-    const Lame small = small_strain(material);
-    const double inversion = 10 * (std::max(small.lambda_pa, 0.0) + 2 * small.mu_pa);
-    for (std::size_t block = 0; block < rest.blocks(); ++block) {
-        for (std::size_t i = 0; i < parameters.count; ++i) {
-            std::fill_n(parameters.field.begin() + std::ptrdiff_t((block * parameters.count + i) * kBlock), kBlock,
-                        i == 0 ? inversion : listed.values[i - 1]);
-        }
+    parameters.law = listed[material_of(0)].law;
+    parameters.count = listed[material_of(0)].values.size() + 1;
+    parameters.field.resize(group.blocks() * parameters.count * kBlock);
+    for (std::size_t i = 0; i < group.blocks() * kBlock; ++i) {
+        const std::size_t m = material_of(i);
+        double* field = parameters.field.data() + i / kBlock * parameters.count * kBlock + i % kBlock;
+        field[0] = inversion[m];
+        for (std::size_t k = 1; k < parameters.count; ++k) field[k * kBlock] = listed[m].values[k - 1];
     }
     return parameters;
 }

@@ -1,6 +1,6 @@
 #pragma once
+#include "supple/fem/elements.h"
 #include "supple/fem/tet4_hyper.h"
-#include "supple/material/material.h"
 
 namespace supple::fem {
 
@@ -11,6 +11,7 @@ struct HyperParameters {
     AlignedVector<double> field;    ///< [block][count][lane]
 };
 
-HyperParameters make_hyper_parameters(const Tet4Rest& rest, const Material& material);
+/// The elements of a group have one law, each its own numbers.
+HyperParameters make_hyper_parameters(const ElementGroup& group, const ElementMaterials& materials);
 
 }  // namespace supple::fem

@@ -9,60 +9,14 @@
 ///      H = W_ij, p = (symmetric + antisymmetric)/2, q = (symmetric - antisymmetric)/2: the eigen-system of d2W/dF2 written out
 ///      (Smith, De Goes, Kim, Analytic Eigensystems for Isotropic Distortion Energies, 2019).
 #include "supple/fem/tet4_hyper.h"
+#include "supple/fem/principal_laws.h"
 #include "supple/fem/tet4_lanes.h"
-#include "supple/material/laws/arruda_boyce.h"
-#include "supple/material/laws/inversion.h"
-#include "supple/material/laws/mooney_rivlin.h"
-#include "supple/material/laws/neo_hookean.h"
-#include "supple/material/laws/ogden.h"
-#include "supple/material/laws/st_venant_kirchhoff.h"
-#include "supple/material/laws/stable_neo_hookean.h"
-#include "supple/material/laws/veronda_westman.h"
 #include "supple/math/lane_polar.h"
 #include "supple/math/lane_svd.h"
 
 namespace supple::fem {
 inline namespace SUPPLE_ISA {
 namespace {
-
-/// Step 2. parameter: of these lanes, fields kBlock apart; [0] is the stiffness of the inversion.
-template <Law law>
-void apply_law(const double* parameter, std::size_t parameters, Principal& e) {
-    const auto field = [&](std::size_t i) { return load(parameter + i * kBlock); };
-    const Lanes k = field(0);
-    const Lanes p[3] = {parameters > 1 ? field(1) : k, parameters > 2 ? field(2) : k, parameters > 3 ? field(3) : k};
-    if constexpr (law == Law::st_venant_kirchhoff) st_venant_kirchhoff(p, e);
-    if constexpr (law == Law::stable_neo_hookean) stable_neo_hookean(p, e);
-    if constexpr (law == Law::neo_hookean) with_inversion(k, e, [&](Principal& x) { neo_hookean(p, x); });
-    if constexpr (law == Law::mooney_rivlin) with_inversion(k, e, [&](Principal& x) { mooney_rivlin(p, x); });
-    if constexpr (law == Law::arruda_boyce) with_inversion(k, e, [&](Principal& x) { arruda_boyce(p, x); });
-    if constexpr (law == Law::veronda_westman) with_inversion(k, e, [&](Principal& x) { veronda_westman(p, x); });
-    if constexpr (law == Law::ogden) {
-        with_inversion(k, e, [&](Principal& x) {
-            ogden_volume(field(1), x);
-            for (std::size_t i = 2; i + 1 < parameters; i += 2) ogden_term(field(i), field(i + 1), x);
-        });
-    }
-}
-
-/// Sets negative eigenvalues of d2W/dF2 to zero: the 3x3 of W_ij by its eigenvectors, the six quotients one by one.
-inline void project(Principal& e) {
-    const Lanes zero(0.0);
-    Matrix H, Q;
-    for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j) H.m[i][j] = e.second[i][j];
-    jacobi_eigen(H, Q);
-    const Lanes value[3] = {larger(H.m[0][0], zero), larger(H.m[1][1], zero), larger(H.m[2][2], zero)};
-    for (int i = 0; i < 3; ++i) {
-        for (int j = i; j < 3; ++j) {
-            Lanes sum(0.0);
-            for (int k = 0; k < 3; ++k) sum = sum + value[k] * Q.m[i][k] * Q.m[j][k];
-            e.second[i][j] = e.second[j][i] = sum;
-        }
-        e.symmetric[i] = larger(e.symmetric[i], zero);
-        e.antisymmetric[i] = larger(e.antisymmetric[i], zero);
-    }
-}
 
 /// What a tangent needs, loaded or just made.
 struct Tangent {
@@ -256,6 +210,8 @@ void assemble(const BlockAssembly<Real>& pass, std::size_t begin, std::size_t en
         for (std::int32_t block = pass.row_start[row]; block < pass.row_start[row + 1]; ++block) {
             const std::size_t column = std::size_t(pass.column[block]);
             if (column < row) continue;
+            const bool add = pass.diagonal_shift == nullptr;
+            if (add && pass.contribution_start[block] == pass.contribution_start[block + 1]) continue;
             R4 c[3] = {{0, 0, 0, 0}, {0, 0, 0, 0}, {0, 0, 0, 0}}, t[3] = {c[0], c[0], c[0]};
             for (std::int64_t i = pass.contribution_start[block]; i < pass.contribution_start[block + 1]; ++i) {
                 const std::uint32_t pair = pass.contribution[i];
@@ -267,10 +223,14 @@ void assemble(const BlockAssembly<Real>& pass, std::size_t begin, std::size_t en
             Real m[3][3];
             for (int i = 0; i < 3; ++i)
                 for (int j = 0; j < 3; ++j) m[i][j] = scale * (c[j][i] + t[i][j]);
-            if (column == row) {
+            if (column == row && !add) {
                 for (int i = 0; i < 3; ++i) m[i][i] += Real(pass.diagonal_shift[row]);
             }
             Real* value = pass.value + std::size_t(block) * 12;
+            if (add) {
+                for (int i = 0; i < 3; ++i)
+                    for (int j = 0; j < 3; ++j) m[i][j] += value[4 * j + i];
+            }
             Real* mirror = pass.value + std::size_t(pass.mirror[block]) * 12;
             for (int j = 0; j < 3; ++j) {
                 if (column != row) store4(mirror + 4 * j, R4{m[j][0], m[j][1], m[j][2], 0});

@@ -28,11 +28,11 @@ void read_constant_or_array(const JsonNode& node, const BodyTemplate& shape, Rea
 }
 
 void require_material_keys(const JsonNode& node) {
-    require_keys(node, {"law", "rotation", "young_pa", "poisson"},
-                 {"integration", "plastic_yield", "plastic_max", "plastic_creep_1_s", "fibre", "sheet", "fibre_stiffness_pa", "fibre_exponent",
+    require_keys(node, {"law", "rotation", "integration", "young_pa", "poisson", "plastic_yield", "plastic_max", "plastic_creep_1_s", "volumetric"},
+                 {"fibre", "sheet", "fibre_stiffness_pa", "fibre_exponent",
                   "sheet_stiffness_pa", "sheet_exponent", "matrix_regularization", "mu_pa", "lambda_pa", "bulk_pa", "c1_pa", "c2_pa", "c2", "terms",
                   "a_pa", "b"},
-                 "is not available for this law in this build; linear and corotational materials have law, rotation, young_pa and poisson");
+                 "is not available for this law in this build; linear and corotational materials have law, rotation, integration, young_pa, poisson, volumetric and the plastic keys");
 }
 
 Rotation read_rotation(const JsonNode& node) {
@@ -53,17 +53,28 @@ void read_material(const JsonNode& node, BodyDef& def) {
     Linear elastic;
     if (node.has("young_pa")) read_constant_or_array(node.at("young_pa"), *def.shape, read_young, elastic.young_pa, def.young_pa_per_element);
     if (node.has("poisson")) read_constant_or_array(node.at("poisson"), *def.shape, read_poisson, elastic.poisson, def.poisson_per_element);
+    for (const auto& [key, value] : {std::pair{"plastic_yield", &elastic.plasticity.yield}, std::pair{"plastic_max", &elastic.plasticity.max},
+                                     std::pair{"plastic_creep_1_s", &elastic.plasticity.creep_1_s}}) {
+        if (node.has(key)) *value = node.at(key).number(0, 1e15);
+    }
+    if (node.has("volumetric")) {
+        elastic.volumetric = node.at("volumetric").choice({"element", "nodal"}) == "nodal" ? Volumetric::nodal : Volumetric::element;
+    }
+    if (node.has("integration")) elastic.integration = node.at("integration").choice({"incompatible", "full"}) == "full" ? Integration::full : Integration::incompatible;
     def.material = elastic;
     if (name == "linear") {
         if (node.has("rotation")) node.at("rotation").fail("the linear law has no rotation: it is for small displacements; use \"corotational\"");
         return;
     }
-    def.material = Corotational{node.has("rotation") ? read_rotation(node.at("rotation")) : Rotation::polar, elastic.young_pa, elastic.poisson};
+    Corotational turned{.young_pa = elastic.young_pa, .poisson = elastic.poisson, .plasticity = elastic.plasticity, .volumetric = elastic.volumetric,
+                        .integration = elastic.integration};
+    if (node.has("rotation")) turned.rotation = read_rotation(node.at("rotation"));
+    def.material = turned;
 }
 
 /// young_pa and poisson of a linear or corotational material.
 Linear elastic_of(const Material& material) {
-    if (const auto* corotational = std::get_if<Corotational>(&material)) return {corotational->young_pa, corotational->poisson};
+    if (const auto* corotational = std::get_if<Corotational>(&material)) return {corotational->young_pa, corotational->poisson, corotational->plasticity, corotational->volumetric};
     return std::get<Linear>(material);
 }
 
@@ -82,8 +93,8 @@ void read_region(const JsonNode& node, BodyDef& def) {
     const Linear law = elastic_of(def.material);
     if (node.has("material")) {
         const JsonNode material = node.at("material");
-        if (material.has("law") || material.has("rotation")) {
-            material.at(material.has("law") ? "law" : "rotation").unsupported("a region of this build changes young_pa and poisson, not the law");
+        for (const char* key : {"law", "rotation", "integration"}) {
+            if (material.has(key)) material.at(key).unsupported("a region of this build changes young_pa and poisson, not the law");
         }
         require_material_keys(material);
         if (material.has("young_pa")) {

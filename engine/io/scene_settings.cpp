@@ -7,10 +7,13 @@ SolverDef read_solver(const JsonNode& node) {
                  {"integrator", "newton_iterations", "newton_tolerance", "cg_relative_tolerance", "cg_max_iterations", "preconditioner",
                   "precision", "linearise_at", "rayleigh_mass_1_s", "rayleigh_stiffness_s", "tangent", "operator", "step_budget_us"});
     SolverDef solver;
-    if (node.has("integrator")) node.at("integrator").choice({"implicit_euler"}, {"bdf2", "newmark", "static"});
-    if (node.has("tangent")) node.at("tangent").choice({"warped"}, {"exact"});
+    if (node.has("integrator")) {
+        const std::string kind = node.at("integrator").choice({"implicit_euler", "bdf2", "newmark", "static"});
+        solver.integrator = kind == "bdf2" ? Integrator::bdf2 : kind == "newmark" ? Integrator::newmark : kind == "static" ? Integrator::quasi_static : Integrator::implicit_euler;
+    }
+    if (node.has("tangent")) solver.tangent = node.at("tangent").choice({"warped", "exact"}) == "exact" ? Tangent::exact : Tangent::warped;
     if (node.has("operator")) node.at("operator").choice({"auto", "assembled"}, {"matrix_free"});
-    if (node.has("newton_iterations")) solver.newton_iterations = int(node.at("newton_iterations").integer(1, 100));
+    if (node.has("newton_iterations")) solver.newton_iterations = int(node.at("newton_iterations").integer(1, 1000));
     if (node.has("newton_tolerance")) {
         const JsonNode tolerance = node.at("newton_tolerance");
         solver.newton_tolerance = tolerance.number();
@@ -20,11 +23,12 @@ SolverDef read_solver(const JsonNode& node) {
     if (node.has("cg_max_iterations")) solver.cg_max_iterations = int(node.at("cg_max_iterations").integer(1, 1000000));
     if (node.has("preconditioner")) {
         const std::string kind =
-            node.at("preconditioner").choice({"auto", "block_jacobi", "lattice_multigrid", "scalar_laplacian"}, {"auto_timed", "direct"});
+            node.at("preconditioner").choice({"auto", "block_jacobi", "lattice_multigrid", "scalar_laplacian", "direct"}, {"auto_timed"});
         solver.preconditioner = kind == "auto"                ? PreconditionerKind::automatic
                                 : kind == "block_jacobi"      ? PreconditionerKind::block_jacobi
                                 : kind == "lattice_multigrid" ? PreconditionerKind::lattice_multigrid
-                                                              : PreconditionerKind::scalar_laplacian;
+                                : kind == "scalar_laplacian"  ? PreconditionerKind::scalar_laplacian
+                                                              : PreconditionerKind::direct;
     }
     if (node.has("precision")) {
         solver.precision = node.at("precision").choice({"single", "double"}) == "single" ? Precision::single : Precision::double_;

@@ -1,4 +1,5 @@
 #pragma once
+#include <limits>
 #include <string>
 #include <variant>
 #include <vector>
@@ -12,11 +13,37 @@ enum class Rotation {
     svd,    ///< the same rotation, found afresh each time from the singular values of F: forgets every history, however tangled
 };
 
+/// Plastic flow of the strain in an element's frame: deviatoric, rate dependent, independent of time step and element size. Where the norm of
+/// the elastic deviator e' exceeds the yield strain, e_p += (1 - exp(-creep h)) (|e'| - yield) e'/|e'| at the end of a step of h, then |e_p| <= max.
+/// The yield stress in uniaxial tension is 2 mu yield sqrt(3/2). An infinite creep is the radial return of J2 plasticity.
+/// Source: O'Brien, Bargteil, Hodgins 2002; Mueller, Gross 2004; with an exact rate.
+struct Plasticity {
+    double yield = std::numeric_limits<double>::infinity();      ///< scene key plastic_yield: strain, >= 0; infinite: elastic
+    double max = std::numeric_limits<double>::infinity();        ///< plastic_max: most plastic strain, >= 0
+    double creep_1_s = std::numeric_limits<double>::infinity();  ///< plastic_creep_1_s: rate, >= 0
+    bool flows() const { return yield < std::numeric_limits<double>::infinity(); }
+};
+
+/// Where a linear or corotational tetrahedron resists a change of volume.
+enum class Volumetric {
+    element,  ///< in each element: locks as Poisson's ratio nears 1/2, above 0.48 far too stiff
+    nodal,    ///< mostly as a mean around each vertex: does not lock, up to 0.4999; two to three times the cost of a solve (fem/nodal_volume.h)
+};
+
+/// How the stiffness of a hexahedron is made; tetrahedra have one way only. Both cost the same at run time.
+enum class Integration {
+    incompatible,  ///< bending and nearly incompressible matter without locking: twelve inner modes, condensed (fem/hex8_stiffness.h)
+    full,          ///< the trilinear displacements alone: far too stiff in bending and above nu = 0.45; for comparison with other programs
+};
+
 /// Small displacements:  W = mu e:e + lambda/2 tr(e)^2,  e = sym(F) - I. Rotations beyond a few degrees swell the body.
 /// Small strain: shear modulus mu, bulk modulus lambda + 2 mu/3.
 struct Linear {
     double young_pa = 1e5;  ///< Young's modulus, > 0
-    double poisson = 0.3;   ///< Poisson's ratio, in (-1, 0.5); plain tets lock above 0.48
+    double poisson = 0.3;   ///< Poisson's ratio, in (-1, 0.5); tets of Volumetric::element lock above 0.48
+    Plasticity plasticity{};
+    Volumetric volumetric = Volumetric::element;          ///< of tetrahedra
+    Integration integration = Integration::incompatible;  ///< of hexahedra
 };
 
 /// Corotational linear elasticity: the same with e = sym(R^T F) - I, R the rotation of the element. For `polar` and `svd` that is
@@ -24,7 +51,17 @@ struct Linear {
 struct Corotational {
     Rotation rotation = Rotation::polar;
     double young_pa = 1e5;  ///< Young's modulus, > 0
-    double poisson = 0.3;   ///< Poisson's ratio, in (-1, 0.5); plain tets lock above 0.48
+    double poisson = 0.3;   ///< Poisson's ratio, in (-1, 0.5); tets of Volumetric::element lock above 0.48
+    Plasticity plasticity{};
+    Volumetric volumetric = Volumetric::element;          ///< of tetrahedra
+    Integration integration = Integration::incompatible;  ///< of hexahedra
+};
+
+/// Derivative of a corotational tetrahedron's force (rotation polar or svd).
+enum class Tangent {
+    automatic,  ///< in a World exact for the static integrator, warped for the others; in force_differential() warped
+    warped,     ///< R K R^T, the rotation held: always positive definite, cheapest; one iteration of it is as good at small strain
+    exact,      ///< with the derivative of the rotation, its three twist modes kept from going negative: Newton converges at its own rate
 };
 
 // -- hyperelastic laws; energies, sources and inversion: material/laws/<law>.h ---------------------------
@@ -83,6 +120,11 @@ using Material = std::variant<Corotational, Linear, StVenantKirchhoff, NeoHookea
 
 /// True for the laws of a strain energy in F; false for linear elasticity in a frame.
 bool is_hyperelastic(const Material& material);
+
+/// Plasticity of a linear or corotational material; that of the others is elastic.
+Plasticity plasticity_of(const Material& material);
+/// Volumetric of a linear or corotational material; that of the others is `element`.
+Volumetric volumetric_of(const Material& material);
 
 struct Lame {
     double lambda_pa = 0;

@@ -75,7 +75,9 @@ double LinearSolver<Real>::multiply(Team& team, const Bsr3<Real>& A, std::span<c
     const double dot = sum_over_rows(team, rows_, partial_, [&](std::size_t begin, std::size_t end) {
         return kernels_.multiply(p.row_start.data(), p.column.data(), A.value.data(), x, y, begin, end);
     });
-    return dot + add_appended(appended, x, y);
+    double sum = dot + add_appended(appended, x, y);
+    if (coupling_ != nullptr) sum += coupling_->multiply_add(team, x, y);
+    return sum;
 }
 
 /// Leaves in r_ the residual of the best start and adds that start to x. On entry r_ = b.
@@ -94,6 +96,10 @@ void LinearSolver<Real>::warm_start(Team& team, const Bsr3<Real>& A, std::span<c
         });
         add_appended(appended, z_.data(), q_.data());
         add_appended(appended, d_.data(), p_.data());
+        if (coupling_ != nullptr) {
+            coupling_->multiply_add(team, z_.data(), q_.data());
+            coupling_->multiply_add(team, d_.data(), p_.data());
+        }
     } else {
         multiply(team, A, appended, d_.data(), p_.data());
     }

@@ -42,7 +42,10 @@ public:
                             std::span<const Vec3> b, std::span<const std::span<const Vec3>> guesses, const LinearSolveDef& def,
                             FunctionRef<void(const Vec3* x, Vec3* r)> true_residual, std::span<Vec3> x, std::span<Vec3> residual);
 
-    /// y = (A + appended) x; returns x . y.  [row][x y z 0]
+    /// Adds an operator to the matrix of the solves to come; null: none.
+    void set_coupling(Coupling<Real>* coupling) { coupling_ = coupling; }
+
+    /// y = (A + appended + coupling) x; returns x . y.  [row][x y z 0]
     double multiply(Team& team, const Bsr3<Real>& A, std::span<const AppendedRow> appended, const Real* x, Real* y);
 
 private:
@@ -53,6 +56,7 @@ private:
     void import(Team& team, std::span<const Vec3> from, Real* to) const;
     double square(Team& team, const Real* v);
 
+    Coupling<Real>* coupling_ = nullptr;
     const Bsr3Kernels<Real>& kernels_;
     std::size_t rows_;
     AlignedVector<Real> d_, r_, p_, q_, z_;  ///< [row][x y z 0]

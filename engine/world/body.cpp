@@ -4,17 +4,26 @@
 #include <cmath>
 
 #include "supple/base/error.h"
-#include "supple/fem/rest.h"
 #include "supple/fem/stress.h"
 #include "supple/solve/chunked_sum.h"
 #include "supple/world/precondition.h"
 
 namespace supple {
 
+namespace {
+
 template <class Real>
-System<Real>::System(const TemplateData& data, Isa isa)
+std::unique_ptr<solve::Preconditioner<Real>> make_preconditioner(const TemplateData& data, Isa isa, PreconditionerKind kind) {
+    if (kind == PreconditionerKind::direct) return std::make_unique<solve::Cholesky<Real>>(data.pattern);
+    return std::make_unique<solve::BlockJacobi<Real>>(data.pattern.rows, isa);
+}
+
+}  // namespace
+
+template <class Real>
+System<Real>::System(const TemplateData& data, Isa isa, PreconditionerKind kind)
     : A{&data.pattern, AlignedVector<Real>(data.pattern.blocks() * 12)},
-      preconditioner(std::make_unique<solve::BlockJacobi<Real>>(data.pattern.rows, isa)),
+      preconditioner(make_preconditioner<Real>(data, isa, kind)),
       solver(data.pattern.rows, isa) {}
 
 template struct System<float>;
@@ -26,37 +35,84 @@ namespace {
     throw Error(ErrorCode::invalid_argument, "BodyDef." + field, message);
 }
 
-/// Lame parameters of the elements: one for all, or one for each where the definition has arrays.
-std::vector<Lame> lame_of(const BodyDef& def, std::size_t elements) {
-    const bool per_element = !def.young_pa_per_element.empty() || !def.poisson_per_element.empty();
-    if (!per_element) return {small_strain(def.material, "BodyDef.material")};
-    Linear material;  // the one shape of young_pa and poisson
-    if (const auto* linear = std::get_if<Linear>(&def.material)) material = *linear;
-    if (const auto* corotational = std::get_if<Corotational>(&def.material)) material = {corotational->young_pa, corotational->poisson};
-    if (is_hyperelastic(def.material)) {
-        bad_body("young_pa_per_element", "arrays of young_pa and poisson belong to the linear and corotational laws; this body's law has other parameters");
+/// Materials of the elements, checked; with Lame parameters of their own where the definition has arrays.
+fem::ElementMaterials materials_of(const BodyDef& def, std::size_t elements) {
+    fem::ElementMaterials result;
+    result.materials = {def.material};
+    result.materials.insert(result.materials.end(), def.region_materials.begin(), def.region_materials.end());
+    for (std::size_t m = 0; m < result.materials.size(); ++m) {
+        small_strain(result.materials[m], m == 0 ? "BodyDef.material" : "BodyDef.region_materials[" + std::to_string(m - 1) + "]");
     }
-    const auto check = [&](const std::vector<double>& values, const char* name) {
-        if (!values.empty() && values.size() != elements) {
-            bad_body(name, "has " + std::to_string(values.size()) + " values, the mesh has " + std::to_string(elements) +
+    const auto check = [&](std::size_t size, const char* name) {
+        if (size != 0 && size != elements) {
+            bad_body(name, "has " + std::to_string(size) + " values, the mesh has " + std::to_string(elements) +
                                " elements; give one per element in mesh order, or none");
         }
     };
-    check(def.young_pa_per_element, "young_pa_per_element");
-    check(def.poisson_per_element, "poisson_per_element");
-    std::vector<Lame> lame(elements);
-    for (std::size_t e = 0; e < elements; ++e) {
-        lame[e] = lame_parameters(def.young_pa_per_element.empty() ? material.young_pa : def.young_pa_per_element[e],
-                                  def.poisson_per_element.empty() ? material.poisson : def.poisson_per_element[e],
-                                  "BodyDef, element " + std::to_string(e));
+    check(def.material_of_element.size(), "material_of_element");
+    for (const std::int32_t m : def.material_of_element) {
+        if (m < 0 || std::size_t(m) >= result.materials.size()) {
+            bad_body("material_of_element", "holds " + std::to_string(m) + "; legal are 0 (BodyDef.material) to " + std::to_string(def.region_materials.size()) +
+                                                " (the last of region_materials)");
+        }
     }
-    return lame;
+    result.material_of_element = def.material_of_element;
+    if (def.young_pa_per_element.empty() && def.poisson_per_element.empty()) return result;
+    check(def.young_pa_per_element.size(), "young_pa_per_element");
+    check(def.poisson_per_element.size(), "poisson_per_element");
+    result.lame.resize(elements);
+    for (std::size_t e = 0; e < elements; ++e) {
+        const Material& given = result.of(e);
+        Linear material;  // the one shape of young_pa and poisson
+        if (const auto* linear = std::get_if<Linear>(&given)) material = *linear;
+        if (const auto* corotational = std::get_if<Corotational>(&given)) material = {corotational->young_pa, corotational->poisson, {}, {}, {}};
+        if (is_hyperelastic(given)) {
+            bad_body("young_pa_per_element", "arrays of young_pa and poisson belong to the linear and corotational laws; this body's law has other parameters");
+        }
+        result.lame[e] = lame_parameters(def.young_pa_per_element.empty() ? material.young_pa : def.young_pa_per_element[e],
+                                         def.poisson_per_element.empty() ? material.poisson : def.poisson_per_element[e],
+                                         "BodyDef, element " + std::to_string(e));
+    }
+    return result;
 }
 
-void size_workspace(Workspace& w, const TemplateData& data) {
-    const std::size_t n = data.rest.vertices;
-    w.corner.resize(data.rest.blocks() * fem::kBlock * 16);
-    for (auto* field : {&w.y, &w.v0, &w.f_ext, &w.b, &w.rhs, &w.free_rhs, &w.dv, &w.residual, &w.product}) field->assign(n, Vec3::Zero());
+/// True if the template's groups do: no kind of element has two families of laws.
+bool one_family_per_kind(const fem::ElementLayout& layout, const std::vector<std::int32_t>& family) {
+    for (const fem::ElementGroup& group : layout.groups)
+        for (const std::int32_t e : group.element)
+            if (family[std::size_t(e)] != family[std::size_t(group.element[0])]) return false;
+    return true;
+}
+
+/// The elements of a body and, where its laws ask for it, their layout.
+void make_body_elements(Body& body, const fem::ElementMaterials& materials, const WorldDef& world, Isa isa) {
+    const TemplateData& data = body.data();
+    const std::vector<std::int32_t> family = materials.families(data.layout.elements);
+    if (!one_family_per_kind(data.layout, family)) {
+        GroupedLayout own;
+        own.layout = fem::make_layout(data.mesh, family);
+        own.gather = make_gather_maps(data.mesh, data.pattern, own.layout);
+        body.own_layout = std::make_unique<const GroupedLayout>(std::move(own));
+    }
+    fem::ElementsDef def;
+    def.layout = &body.layout();
+    def.pattern = {data.pattern.row_start, data.pattern.column, data.pattern.mirror};
+    for (const solve::GatherMap& map : body.own_layout ? body.own_layout->gather : data.gather) def.contributions.push_back({map.start, map.pair});
+    def.precision = world.solver.precision == Precision::single ? fem::MatrixPrecision::single : fem::MatrixPrecision::double_;
+    def.isa = isa;
+    def.exact_rotation = world.solver.tangent == Tangent::exact;
+    body.elements = fem::make_elements(def, materials);
+    std::vector<Lame> lame(data.layout.elements);
+    for (std::size_t e = 0; e < lame.size(); ++e) lame[e] = materials.lame_of(e);
+    body.stiffness_trace = fem::stiffness_trace(data.layout, lame);
+}
+
+void size_workspace(Workspace& w, const fem::ElementLayout& layout) {
+    const std::size_t n = layout.vertices;
+    w.corner.resize(layout.places * 4);
+    for (auto* field : {&w.base_x, &w.base_v, &w.y, &w.v0, &w.v_start, &w.f_ext, &w.b, &w.rhs, &w.free_rhs, &w.dv, &w.residual, &w.product}) {
+        field->assign(n, Vec3::Zero());
+    }
     w.diagonal.resize(n);
     w.partial.resize(solve::row_chunks(n));
 }
@@ -76,18 +132,10 @@ std::unique_ptr<Body> make_body(const BodyDef& def, const WorldDef& world, std::
     body->name = def.name.empty() ? "body " + std::to_string(index) : def.name;
     body->shape = def.shape;
     const TemplateData& data = body->data();
-    const std::size_t n = data.rest.vertices;
-    const std::vector<Lame> lame = lame_of(def, data.rest.elements);
-    fem::ElementsDef elements;
-    elements.rest = &data.rest;
-    elements.corners = &data.corners;
-    elements.lists = {data.pattern.row_start, data.pattern.column, data.pattern.mirror, data.gather.start, data.gather.pair};
-    elements.precision = world.solver.precision == Precision::single ? fem::MatrixPrecision::single : fem::MatrixPrecision::double_;
-    elements.isa = isa;
-    elements.lame = lame;
-    body->elements = fem::make_elements(elements, def.material);
-    body->mass = fem::lumped_mass(data.rest, def.density_kg_m3);
-    body->stiffness_trace = fem::stiffness_trace(data.rest, fem::make_moduli(data.rest, lame));
+    const std::size_t n = data.layout.vertices;
+    make_body_elements(*body, materials_of(def, data.layout.elements), world, isa);
+    const std::size_t blocks = body->layout().blocks;
+    body->mass = fem::lumped_mass(data.mesh, def.density_kg_m3);
     body->owner.assign(3 * n, kFree);
     for (std::size_t i = 0; i < n; ++i) {
         if (body->mass[i] == 0) std::fill_n(body->owner.begin() + std::ptrdiff_t(3 * i), 3, kHeld);  // a vertex of no element
@@ -99,19 +147,29 @@ std::unique_ptr<Body> make_body(const BodyDef& def, const WorldDef& world, std::
     s.v.assign(n, def.velocity_m_s);
     s.x_previous = s.x;
     for (auto* field : {&s.dv1, &s.dv2, &s.reaction}) field->assign(n, Vec3::Zero());
-    s.quaternion.assign(data.rest.blocks() * 4 * fem::kBlock, 0.0);
-    for (std::size_t b = 0; b < data.rest.blocks(); ++b) std::fill_n(s.quaternion.begin() + std::ptrdiff_t(b * 4 * fem::kBlock), fem::kBlock, 1.0);
+    s.quaternion.assign(blocks * 4 * fem::kBlock, 0.0);
+    for (std::size_t b = 0; b < blocks; ++b) std::fill_n(s.quaternion.begin() + std::ptrdiff_t(b * 4 * fem::kBlock), fem::kBlock, 1.0);
+    if (world.solver.integrator == Integrator::bdf2) s.v_previous.assign(n, Vec3::Zero());
+    if (world.solver.integrator == Integrator::newmark) s.a.assign(n, Vec3::Zero());
+    s.moving.assign(1, 0);
+    if (body->elements->is_plastic()) s.plastic.assign(blocks * 6 * fem::kBlock, 0.0);
     s.frozen.assign(1, 0);
     s.hierarchy_x = data.mesh.vertices;
     s.hierarchy_quaternion = s.quaternion;
     s.solver.assign(kMemoryCount, 0);
     body->start = s;
 
-    size_workspace(body->work, data);
+    size_workspace(body->work, body->layout());
+    const auto couple = [&](auto& system) {
+        using Real = typename std::remove_reference_t<decltype(system)>::Scalar;
+        if (!body->elements->is_coupled()) return;
+        system.coupling = std::make_unique<ElementCoupling<Real>>(*body);
+        system.solver.set_coupling(system.coupling.get());
+    };
     if (world.solver.precision == Precision::single) {
-        body->system.emplace<System<float>>(data, isa);
+        couple(body->system.emplace<System<float>>(data, isa, world.solver.preconditioner));
     } else {
-        body->system.emplace<System<double>>(data, isa);
+        couple(body->system.emplace<System<double>>(data, isa, world.solver.preconditioner));
     }
     return body;
 }
@@ -119,29 +177,30 @@ std::unique_ptr<Body> make_body(const BodyDef& def, const WorldDef& world, std::
 void update_stress(const Body& body, Team& team) {
     StressCache& s = body.stress;
     if (s.valid) return;
-    const TemplateData& data = body.data();
-    const std::size_t elements = data.rest.elements, vertices = data.rest.vertices;
+    const fem::ElementLayout& layout = body.layout();
+    const std::size_t elements = layout.elements, vertices = layout.vertices;
     s.element.resize(elements);
     s.element_von_mises.resize(elements);
     s.vertex.resize(vertices);
     s.vertex_von_mises.resize(vertices);
-    s.block_stress.resize(data.rest.blocks() * 6 * fem::kBlock);
-    s.block_energy.resize(data.rest.blocks() * fem::kBlock);
+    s.block_stress.resize(layout.blocks * 6 * fem::kBlock);
+    s.block_energy.resize(layout.blocks * fem::kBlock);
     s.quaternion = body.state.quaternion;  // a copy: looking at the stress must not change what the next step does
 
     fem::ElementOutputs outputs;
     outputs.stress = s.block_stress.data();
     outputs.energy = s.block_energy.data();
+    outputs.plastic = plastic_strain(body);
     body.elements->evaluate(team, body.state.x.data()->data(), s.quaternion.data(), outputs);
     team.for_range(elements, 512, [&](std::size_t begin, std::size_t end) {
         for (std::size_t e = begin; e < end; ++e) {
-            for (std::size_t c = 0; c < 6; ++c) s.element[e][c] = s.block_stress[(e / fem::kBlock * 6 + c) * fem::kBlock + e % fem::kBlock];
+            s.element[e] = fem::element_stress(layout, s.block_stress.data(), e);
             s.element_von_mises[e] = fem::von_mises(s.element[e]);
         }
     });
     team.for_range(vertices, 512, [&](std::size_t begin, std::size_t end) {
         for (std::size_t v = begin; v < end; ++v) {
-            s.vertex[v] = fem::recover_at_vertex(data.corners, data.rest.volume, s.element, v);
+            s.vertex[v] = fem::recover_at_vertex(layout.corners, layout.volume, s.element, v);
             s.vertex_von_mises[v] = fem::von_mises(s.vertex[v]);
         }
     });

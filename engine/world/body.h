@@ -21,8 +21,12 @@ struct BodyState {
     std::vector<Vec3> x, v;           ///< positions [m], velocities [m/s]
     std::vector<Vec3> x_previous;     ///< positions before the last step
     std::vector<Vec3> dv1, dv2;       ///< velocity change of the last step and the one before: warm starts
+    std::vector<Vec3> v_previous;     ///< velocities before the last step; bdf2 only [m/s]
+    std::vector<Vec3> a;              ///< accelerations; newmark only [m/s^2]
+    std::vector<std::uint8_t> moving; ///< one entry: 1 once v_previous or a stand for a step that was made
     std::vector<Vec3> reaction;       ///< of supports, last step [N]
     AlignedVector<double> quaternion; ///< [block][w x y z][lane] element rotations: warm start
+    AlignedVector<double> plastic;    ///< [block][xx yy zz xy yz zx][lane] plastic strain, of elements that flow
     std::vector<std::uint8_t> frozen; ///< one entry: 1 after containment
     std::vector<Vec3> hierarchy_x;    ///< configuration that the frozen preconditioner was built from: positions [m]
     AlignedVector<double> hierarchy_quaternion;  ///< and element rotations
@@ -35,8 +39,12 @@ struct BodyState {
         f("previous positions", s.x_previous);
         f("warm start", s.dv1);
         f("older warm start", s.dv2);
+        f("older velocities", s.v_previous);
+        f("accelerations", s.a);
+        f("history flag", s.moving);
         f("reactions", s.reaction);
         f("element rotations", s.quaternion);
+        f("plastic strains", s.plastic);
         f("frozen flag", s.frozen);
         f("positions of the frozen preconditioner", s.hierarchy_x);
         f("rotations of the frozen preconditioner", s.hierarchy_quaternion);
@@ -51,24 +59,49 @@ struct PreparedLoad {
     Timeline<Vec3> value;
 };
 
+struct Body;
+
+/// The part of a body's tangent that is too wide for its matrix (fem::Elements::couple), on its free coordinates.
+template <class Real>
+class ElementCoupling final : public solve::Coupling<Real> {
+public:
+    explicit ElementCoupling(Body& body);
+    double multiply_add(Team& team, const Real* x, Real* y) override;
+    /// Diagonal blocks for the preconditioner, scaled; identity rows stay.
+    std::span<const Mat3> update_diagonal(Team& team, double scale);
+
+private:
+    Body& body_;
+    double scale_ = 0;
+    AlignedVector<Real> product_;
+    std::vector<Mat3> diagonal_;
+    std::vector<double> partial_;
+};
+
 /// Matrix and solver of one body in one precision.
 template <class Real>
 struct System {
     using Scalar = Real;
-    System(const TemplateData& data, Isa isa);
+    System(const TemplateData& data, Isa isa, PreconditionerKind kind);
 
     solve::Bsr3<Real> A;
-    std::unique_ptr<solve::Preconditioner<Real>> preconditioner;  ///< block-Jacobi, always at hand
+    std::unique_ptr<solve::Preconditioner<Real>> preconditioner;  ///< block-Jacobi, always at hand; the factor where `direct` is asked for
     std::unique_ptr<solve::LatticeMultigrid<Real>> multigrid;     ///< null until it is wanted
     std::unique_ptr<solve::ScalarLaplacian<Real>> laplacian;      ///< null until it is wanted
     solve::LinearSolver<Real> solver;
+    std::unique_ptr<ElementCoupling<Real>> coupling;  ///< null: the matrix is the whole tangent
 };
 
 /// What the stages of a step write into; sized once, never part of the state.
 struct Workspace {
     AlignedVector<double> corner;     ///< [element][corner][x y z 0]
+    double h = 0;                     ///< the scheme's x = base_x + h v, M (v - base_v)/h = forces (world/time_scheme.cpp)
+    std::vector<Vec3> base_x, base_v;
     std::vector<Vec3> y;              ///< where forces are evaluated
     std::vector<Vec3> v0;             ///< velocity that the linear solve corrects
+    std::vector<Vec3> v_start;        ///< v0 at the start of a line search
+    std::vector<Vec3> v_good, target_v, unbalance;  ///< static: v0 of the last equilibrium, of the supports at their target; the forces not yet let in
+    double withheld = 0;              ///< static: part of `unbalance` that is held back
     std::vector<Vec3> f_ext;          ///< gravity and loads
     std::vector<Vec3> b, rhs, free_rhs;  ///< right-hand side; with drag springs; with held coordinates zeroed
     std::vector<Vec3> dv, residual, product;
@@ -88,10 +121,17 @@ struct StressCache {
 inline constexpr std::int32_t kFree = -1;  ///< owner of a free coordinate
 inline constexpr std::int32_t kHeld = -2;  ///< owner of a coordinate fixed in place; 0.. are prescribed motions
 
+/// How the elements of a body of several families of laws lie.
+struct GroupedLayout {
+    fem::ElementLayout layout;
+    std::vector<solve::GatherMap> gather;  ///< [group]
+};
+
 struct Body {
     BodyDef def;
     std::string name;
     std::shared_ptr<const BodyTemplate> shape;
+    std::unique_ptr<const GroupedLayout> own_layout;  ///< of a body of several families of laws; null: that of its template
 
     // Model: constant during a step.
     std::unique_ptr<fem::Elements> elements;  ///< the law at work; holds the tangent of the current step
@@ -110,6 +150,8 @@ struct Body {
     mutable StressCache stress;
 
     const TemplateData& data() const { return shape->data(); }
+    const fem::ElementLayout& layout() const { return own_layout ? own_layout->layout : data().layout; }
+    std::size_t element_count() const { return layout().elements; }
     std::size_t vertices() const { return mass.size(); }
     bool is_held(std::size_t vertex, std::size_t axis) const { return owner[vertex * 3 + axis] != kFree; }
     bool frozen() const { return state.frozen[0] != 0; }
@@ -137,6 +179,9 @@ struct Drag {
         return sum;
     }
 };
+
+/// Plastic strains as the elements want them: null where none flows.
+inline const double* plastic_strain(const Body& body) { return body.state.plastic.empty() ? nullptr : body.state.plastic.data(); }
 
 /// @error Error(invalid_argument) naming the field of BodyDef
 std::unique_ptr<Body> make_body(const BodyDef& def, const WorldDef& world, std::size_t index, Isa isa);

@@ -19,8 +19,12 @@ constexpr std::int32_t kBrokenSolves = 100;    // before a preconditioner that b
 
 PreconditionerKind kind_at_work(const Body& body) { return PreconditionerKind(body.state.solver[kMemoryKind]); }
 
-void read_rotation(const AlignedVector<double>& quaternion, std::int32_t element, double* wxyz) {
-    const double* q = quaternion.data() + std::size_t(element) / fem::kBlock * 4 * fem::kBlock + std::size_t(element) % fem::kBlock;
+/// System::preconditioner itself: block-Jacobi, or the factor.
+bool needs_no_build(PreconditionerKind kind) { return kind == PreconditionerKind::block_jacobi || kind == PreconditionerKind::direct; }
+
+void read_rotation(const Body& body, const AlignedVector<double>& quaternion, std::int32_t element, double* wxyz) {
+    const std::size_t slot = body.layout().slot[std::size_t(element)];
+    const double* q = quaternion.data() + slot / fem::kBlock * 4 * fem::kBlock + slot % fem::kBlock;
     for (std::size_t k = 0; k < 4; ++k) wxyz[k] = q[k * fem::kBlock];
 }
 
@@ -38,7 +42,10 @@ void assemble_build_configuration(StepContext& ctx, Body& body, AlignedVector<do
     outputs.tangent = true;
     quaternion = body.state.hierarchy_quaternion;
     body.elements->evaluate(ctx.team, body.state.hierarchy_x.data()->data(), quaternion.data(), outputs);
+    const double h = body.work.h;
+    body.work.h = scheme_step(ctx.world.def);  // the same whenever it is built
     assemble(ctx, body);
+    body.work.h = h;
 }
 
 template <class Real>
@@ -49,19 +56,20 @@ void build_lattice(StepContext& ctx, Body& body, System<Real>& system) {
     const std::vector<std::uint8_t> held = held_bits(body);
     std::vector<std::array<std::int32_t, 3>> near(body.vertices(), {-1, -1, -1});
     for (std::size_t i = 0; i < near.size(); ++i) {
-        const std::int64_t first = data.corners.start[i], last = data.corners.start[i + 1];
+        const fem::CornerMap& corners = body.layout().corners;
+        const std::int64_t first = corners.start[i], last = corners.start[i + 1];
         for (std::int64_t k = 0; k < 3 && first + k < last; ++k) {
             // Spread over the elements around the vertex, not three neighbours of one another.
-            near[i][std::size_t(k)] = std::int32_t(data.corners.corner[std::size_t(first + k * (last - first) / 3)] / 4);
+            near[i][std::size_t(k)] = corners.element[std::size_t(first + k * (last - first) / 3)];
         }
     }
     solve::LatticeDef def;
     def.points = data.mesh.vertices;
     def.held = held;
     def.rotation_of_row = near;
-    for (const double v : data.rest.volume) def.volume += v;
+    for (const double v : body.layout().volume) def.volume += v;
     if (!system.multigrid) system.multigrid = std::make_unique<solve::LatticeMultigrid<Real>>(data.pattern, ctx.world.isa);
-    system.multigrid->build(ctx.team, def, system.A, [&](std::int32_t id, double* q) { read_rotation(quaternion, id, q); });
+    system.multigrid->build(ctx.team, def, system.A, [&](std::int32_t id, double* q) { read_rotation(body, quaternion, id, q); });
 }
 
 /// False if the matrix has no such factor.
@@ -75,8 +83,11 @@ bool build_laplacian(StepContext& ctx, Body& body, System<Real>& system) {
 
 /// The first choice of `auto`: by size.
 PreconditionerKind first_choice(const Body& body, PreconditionerKind asked) {
-    if (body.vertices() < kSmallestForLattice && asked != PreconditionerKind::scalar_laplacian) return PreconditionerKind::block_jacobi;
+    if (body.vertices() < kSmallestForLattice && (asked == PreconditionerKind::automatic || asked == PreconditionerKind::lattice_multigrid)) {
+        return PreconditionerKind::block_jacobi;
+    }
     if (asked != PreconditionerKind::automatic) return asked;
+    if (body.elements->is_coupled()) return PreconditionerKind::block_jacobi;  // the matrix lacks the stiffest part of the operator
     return body.vertices() >= kMultigridRows ? PreconditionerKind::lattice_multigrid : PreconditionerKind::block_jacobi;
 }
 
@@ -88,7 +99,7 @@ void set_kind(Body& body, PreconditionerKind kind) {
 
 /// Looks back on a solve of `auto` by block-Jacobi alone.
 void note_jacobi(Body& body, int iterations) {
-    if (iterations > kJacobiLimit && body.vertices() >= kSmallestForLattice) set_kind(body, PreconditionerKind::lattice_multigrid);
+    if (iterations > kJacobiLimit && body.vertices() >= kSmallestForLattice && !body.elements->is_coupled()) set_kind(body, PreconditionerKind::lattice_multigrid);
 }
 
 /// Looks back on a solve by the multigrid. What a hierarchy is worth shows in iterations per digit: their number alone changes with the start.
@@ -140,7 +151,7 @@ void drop_preconditioner(Body& body) { body.preconditioner_fits = false; }
 void prepare_preconditioner(StepContext& ctx, Body& body) {
     const PreconditionerKind asked = ctx.world.def.solver.preconditioner;
     if (kind_at_work(body) == PreconditionerKind::automatic) set_kind(body, first_choice(body, asked));
-    if (body.preconditioner_fits || kind_at_work(body) == PreconditionerKind::block_jacobi) return;
+    if (body.preconditioner_fits || needs_no_build(kind_at_work(body))) return;
     bool good = true;
     with_system(body, [&](auto& system) {
         if (kind_at_work(body) == PreconditionerKind::scalar_laplacian) {
@@ -157,18 +168,18 @@ void prepare_preconditioner(StepContext& ctx, Body& body) {
 }
 
 solve::LinearSolveResult solve_preconditioned(StepContext& ctx, Body& body, std::span<const std::span<const Vec3>> guesses,
-                                              const solve::LinearSolveDef& def, FunctionRef<void(const Vec3*, Vec3*)> true_residual) {
+                                              const solve::LinearSolveDef& def, bool remember, FunctionRef<void(const Vec3*, Vec3*)> true_residual) {
     const bool automatic = ctx.world.def.solver.preconditioner == PreconditionerKind::automatic;
     std::vector<std::int32_t>& memory = body.state.solver;
     solve::LinearSolveResult result;
     with_system(body, [&](auto& system) {
-        const auto rotation = [&](std::int32_t id, double* q) { read_rotation(body.state.quaternion, id, q); };
+        const auto rotation = [&](std::int32_t id, double* q) { read_rotation(body, body.state.quaternion, id, q); };
         std::span<const Vec3> b = body.work.free_rhs;
-        if (kind_at_work(body) == PreconditionerKind::block_jacobi || !body.preconditioner_fits || memory[kMemoryBroken] > 0) {
+        if (needs_no_build(kind_at_work(body)) || !body.preconditioner_fits || memory[kMemoryBroken] > 0) {
             result = run(ctx, body, system, *system.preconditioner, b, guesses, def, true_residual);
             if (memory[kMemoryBroken] > 0) {
                 --memory[kMemoryBroken];
-            } else if (automatic && kind_at_work(body) == PreconditionerKind::block_jacobi) {
+            } else if (remember && automatic && kind_at_work(body) == PreconditionerKind::block_jacobi) {
                 note_jacobi(body, result.iterations);
             }
             return;
@@ -177,7 +188,7 @@ solve::LinearSolveResult solve_preconditioned(StepContext& ctx, Body& body, std:
         if (lattice) system.multigrid->turn(ctx.team, rotation);
         if (!lattice) {
             result = run(ctx, body, system, *system.laplacian, b, guesses, def, true_residual);
-        } else if (automatic && memory[kMemoryTrial] == 0) {
+        } else if (remember && automatic && memory[kMemoryTrial] == 0) {
             solve::LinearSolveDef trial = def;
             trial.max_iterations = std::min(def.max_iterations, kJacobiLimit);
             result = run(ctx, body, system, *system.preconditioner, b, guesses, trial, true_residual);
@@ -187,7 +198,7 @@ solve::LinearSolveResult solve_preconditioned(StepContext& ctx, Body& body, std:
             go_on(ctx, body, system, *system.multigrid, def, true_residual, result);
         } else {
             result = run(ctx, body, system, *system.multigrid, b, guesses, def, true_residual);
-            if (!result.breakdown) note_multigrid(body, result, automatic);
+            if (!result.breakdown && remember) note_multigrid(body, result, automatic);
         }
         if (result.breakdown) {
             ctx.report.flags |= StepFlag::preconditioner;

@@ -23,8 +23,9 @@ void prepare_preconditioner(StepContext& ctx, Body& body);
 /// What was built in `body` no longer fits its inputs: supports, material, restored state.
 void drop_preconditioner(Body& body);
 
-/// Solves the body's system with its preconditioner, and goes on with block-Jacobi where that breaks down. Remembers the iterations.
+/// Solves the body's system with its preconditioner, and goes on with block-Jacobi where that breaks down. 
+/// @param remember  its iterations, for the choices above: of the first solve of a step, which are alike from step to step
 solve::LinearSolveResult solve_preconditioned(StepContext& ctx, Body& body, std::span<const std::span<const Vec3>> guesses,
-                                              const solve::LinearSolveDef& def, FunctionRef<void(const Vec3*, Vec3*)> true_residual);
+                                              const solve::LinearSolveDef& def, bool remember, FunctionRef<void(const Vec3*, Vec3*)> true_residual);
 
 }  // namespace supple
