@@ -31,6 +31,7 @@ struct RecordOptions {
     std::size_t stills = 0;
     ShowOptions show;
     FrameOptions frame;
+    std::string stress_at = "vertex", range;
     bool no_stress = false;
     bool quiet = false;
 };
@@ -84,6 +85,15 @@ void read_size(const std::string& text, int& width, int& height) {
         throw Error(ErrorCode::invalid_argument, "--size " + text, "is not WIDTHxHEIGHT, e.g. 1280x720");
 }
 
+std::array<double, 2> read_range(const std::string& text) {
+    double low = 0, high = 0;
+    int used = 0;
+    if (std::sscanf(text.c_str(), "%lf,%lf%n", &low, &high, &used) != 2 || used != static_cast<int>(text.size()) || !(low < high) ||
+        !std::isfinite(low) || !std::isfinite(high))
+        throw Error(ErrorCode::invalid_argument, "--range " + text, "is not LOW,HIGH in Pa with LOW below HIGH, e.g. 0,5000");
+    return {low, high};
+}
+
 /// What the line at the top left says: the median of the last steps, so that the digits can be read.
 class Hud {
 public:
@@ -124,6 +134,8 @@ int record(RecordOptions o) {
     read_size(o.size, width, height);
     color_map(o.frame.map);  // refuses an unknown name before anything is computed
     o.frame.stress = !o.no_stress;
+    o.frame.stress_at = o.stress_at == "element" ? FrameOptions::At::element : o.stress_at == "point" ? FrameOptions::At::point : FrameOptions::At::vertex;
+    if (!o.range.empty()) o.frame.range_pa = read_range(o.range);
     const OpenedShow opened = open_show(o.scene, o.show);
     Show& show = *opened.show;
     World& world = show.world();
@@ -175,6 +187,10 @@ void add_record_command(CLI::App& app, int& status) {
     command->add_option("--fps", o->frames_per_s, "frames per second [60]")->check(CLI::Range(1.0, 1000.0));
     command->add_option("--stills", o->stills, "also write so many PNG pictures beside the video")->check(CLI::Range(1, 1000));
     command->add_option("--map", o->frame.map, "colour map [viridis]");
+    command->add_option("--stress-at", o->stress_at, "stress map: vertex (smooth), element (flat) or point (inside a translucent body) [vertex]")
+        ->check(CLI::IsMember({"vertex", "element", "point"}));
+    command->add_option("--range", o->range, "LOW,HIGH of the colours [Pa] [automatic: smoothed, 99 % of the stresses]");
+    command->add_option("--opacity", o->frame.opacity, "of the bodies, 0.01..1 [1; with points 0.25]")->check(CLI::Range(0.01, 1.0));
     command->add_flag("--no-stress", o->no_stress, "plain material instead of the stress map");
     command->add_flag("--wireframe", o->frame.wireframe, "draw the edges of the elements");
     command->add_option("--threads", o->show.threads, "threads [those of the scene, or all cores]")->check(CLI::Range(1, 256));

@@ -84,33 +84,21 @@ bool one_family_per_kind(const fem::ElementLayout& layout, const std::vector<std
     return true;
 }
 
-/// The elements of a body and, where its laws ask for it, their layout.
-void make_body_elements(Body& body, const fem::ElementMaterials& materials, const WorldDef& world, Isa isa) {
+/// A layout of the body's own, where its laws ask for it.
+void choose_layout(Body& body, const fem::ElementMaterials& materials) {
     const TemplateData& data = body.data();
     const std::vector<std::int32_t> family = materials.families(data.layout.elements);
-    if (!one_family_per_kind(data.layout, family)) {
-        GroupedLayout own;
-        own.layout = fem::make_layout(data.mesh, family);
-        own.gather = make_gather_maps(data.mesh, data.pattern, own.layout);
-        body.own_layout = std::make_unique<const GroupedLayout>(std::move(own));
-    }
-    fem::ElementsDef def;
-    def.layout = &body.layout();
-    def.pattern = {data.pattern.row_start, data.pattern.column, data.pattern.mirror};
-    for (const solve::GatherMap& map : body.own_layout ? body.own_layout->gather : data.gather) def.contributions.push_back({map.start, map.pair});
-    def.precision = world.solver.precision == Precision::single ? fem::MatrixPrecision::single : fem::MatrixPrecision::double_;
-    def.isa = isa;
-    def.exact_rotation = world.solver.tangent == Tangent::exact;
-    body.elements = fem::make_elements(def, materials);
-    std::vector<Lame> lame(data.layout.elements);
-    for (std::size_t e = 0; e < lame.size(); ++e) lame[e] = materials.lame_of(e);
-    body.stiffness_trace = fem::stiffness_trace(data.layout, lame);
+    if (one_family_per_kind(data.layout, family)) return;
+    GroupedLayout own;
+    own.layout = fem::make_layout(data.mesh, family);
+    own.gather = make_gather_maps(data.mesh, data.pattern, own.layout);
+    body.own_layout = std::make_unique<const GroupedLayout>(std::move(own));
 }
 
 void size_workspace(Workspace& w, const fem::ElementLayout& layout) {
     const std::size_t n = layout.vertices;
     w.corner.resize(layout.places * 4);
-    for (auto* field : {&w.base_x, &w.base_v, &w.y, &w.v0, &w.v_start, &w.f_ext, &w.b, &w.rhs, &w.free_rhs, &w.dv, &w.residual, &w.product}) {
+    for (auto* field : {&w.base_x, &w.base_v, &w.y, &w.v0, &w.v_start, &w.f_ext, &w.f_dead, &w.b, &w.rhs, &w.free_rhs, &w.dv, &w.residual, &w.product}) {
         field->assign(n, Vec3::Zero());
     }
     w.diagonal.resize(n);
@@ -118,6 +106,19 @@ void size_workspace(Workspace& w, const fem::ElementLayout& layout) {
 }
 
 }  // namespace
+
+std::unique_ptr<fem::Elements> make_body_elements(const Body& body, fem::MatrixPrecision precision, Tangent tangent, Isa isa, bool project) {
+    const TemplateData& data = body.data();
+    fem::ElementsDef def;
+    def.layout = &body.layout();
+    def.pattern = {data.pattern.row_start, data.pattern.column, data.pattern.mirror};
+    for (const solve::GatherMap& map : body.own_layout ? body.own_layout->gather : data.gather) def.contributions.push_back({map.start, map.pair});
+    def.precision = precision;
+    def.isa = isa;
+    def.project = project;
+    def.exact_rotation = tangent == Tangent::exact;
+    return fem::make_elements(def, materials_of(body.def, data.layout.elements));
+}
 
 std::unique_ptr<Body> make_body(const BodyDef& def, const WorldDef& world, std::size_t index, Isa isa) {
     if (!def.shape) bad_body("shape", "is null; make one with BodyTemplate::build(mesh)");
@@ -133,7 +134,13 @@ std::unique_ptr<Body> make_body(const BodyDef& def, const WorldDef& world, std::
     body->shape = def.shape;
     const TemplateData& data = body->data();
     const std::size_t n = data.layout.vertices;
-    make_body_elements(*body, materials_of(def, data.layout.elements), world, isa);
+    const fem::ElementMaterials materials = materials_of(def, data.layout.elements);
+    choose_layout(*body, materials);
+    body->elements = make_body_elements(*body, world.solver.precision == Precision::single ? fem::MatrixPrecision::single : fem::MatrixPrecision::double_,
+                                        world.solver.tangent, isa, true);
+    std::vector<Lame> lame(data.layout.elements);
+    for (std::size_t e = 0; e < lame.size(); ++e) lame[e] = materials.lame_of(e);
+    body->stiffness_trace = fem::stiffness_trace(data.layout, lame);
     const std::size_t blocks = body->layout().blocks;
     body->mass = fem::lumped_mass(data.mesh, def.density_kg_m3);
     body->owner.assign(3 * n, kFree);
@@ -181,6 +188,7 @@ void update_stress(const Body& body, Team& team) {
     const std::size_t elements = layout.elements, vertices = layout.vertices;
     s.element.resize(elements);
     s.element_von_mises.resize(elements);
+    s.element_energy.resize(elements);
     s.vertex.resize(vertices);
     s.vertex_von_mises.resize(vertices);
     s.block_stress.resize(layout.blocks * 6 * fem::kBlock);
@@ -196,6 +204,7 @@ void update_stress(const Body& body, Team& team) {
         for (std::size_t e = begin; e < end; ++e) {
             s.element[e] = fem::element_stress(layout, s.block_stress.data(), e);
             s.element_von_mises[e] = fem::von_mises(s.element[e]);
+            s.element_energy[e] = s.block_energy[layout.slot[e]];
         }
     });
     team.for_range(vertices, 512, [&](std::size_t begin, std::size_t end) {
