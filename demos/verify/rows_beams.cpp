@@ -77,7 +77,7 @@ void self_weight(Table& table, const Settings& settings) {
     constexpr std::array<double, 5> load{1, 2, 4, 8, 16}, down{.12347, .23851, .42516, .64063, .79702}, shortening{.00875, .03311, .10989, .27558, .49001};
     const double length = 20 * kHeight, area = kHeight * kWidth;
     for (const Kind kind : element_kinds()) {
-        Statics beam = plane_beam(kind, length, kind == Kind::tets ? 12 : 4, Corotational{.young_pa = kYoung, .poisson = 0}, {.tolerance = 1e-5, .threads = settings.threads, .density_kg_m3 = 1000});
+        Statics beam = plane_beam(kind, length, kind == Kind::tets ? 14 : 4, Corotational{.young_pa = kYoung, .poisson = 0}, {.tolerance = 1e-5, .threads = settings.threads, .density_kg_m3 = 1000});
         for (std::size_t i = 0; i < load.size(); ++i) {
             beam.world().set_gravity(Vec3(0, -load[i] * kYoung * kInertia / (1000 * area * std::pow(length, 3)), 0));
             beam.solve();
