@@ -34,6 +34,7 @@ std::vector<LawCase> calibrated() {
         {"StVenantKirchhoff", StVenantKirchhoff{1000, la}, {-418.065, 335.323, 766.452, 2721.774}, {245.333, 1208.333}},
         {"VerondaWestman", VerondaWestman{500, 2, 1e4}, {-992.988, 312.808, 748.606, 3407.888}, {233.315, 1148.721}},
         {"StableNeoHookean", StableNeoHookean{1000, la}, {-724.698, 266.283, 494.355, 1041.219}, {200, 500}},
+        {"Costa", Costa{1000, la}, {-723.416, 303.634, 687.806, 3467.824}, {216.662, 827.991}},
     };
 }
 
@@ -106,6 +107,11 @@ TEST(Laws, Row8Hydrostatic) {
             if (law.name == "NeoHookean") expected = (la * L + mu * (s * s - 1)) / J;
             if (law.name == "StVenantKirchhoff") expected = (3 * la + 2 * mu) * (s * s - 1) / (2 * s);
             if (law.name == "StableNeoHookean") expected = mu * s * s / J + (la + mu) * (J - al);
+            if (law.name == "Costa") {
+                const double b = 2, E = (s * s - 1) / 2, Qb = 3 * b * E * E * std::pow(J, -4.0 / 3);
+                expected = mu * b * std::exp(Qb) * std::pow(J, -7.0 / 3) * E + la * L;
+                EXPECT_NEAR(expected, s == 0.8 ? -9007.2807 : 7487.4006, 1e-4);
+            }
             EXPECT_NEAR(tet.stress(law.material, s * Mat3::Identity())[0], expected, 1e-9 * std::abs(expected)) << law.name << " at " << s;
         }
     }
@@ -230,7 +236,7 @@ TEST(Laws, AnyConfigurationGivesFiniteForceAndPositiveProjectedTangent) {
             fem::ElementsDef def;
             def.rest = &rest;
             def.corners = &corners;
-            const auto elements = fem::make_elements(def, law.material);
+            const auto elements = fem::make_elements(def, fem::ElementMaterials{{law.material}, {}, {}});
             AlignedVector<double> q(4 * fem::kBlock, 0.0), scratch(fem::kBlock * 16);
             std::fill_n(q.begin(), fem::kBlock, 1.0);
             fem::ElementOutputs outputs;
@@ -281,7 +287,7 @@ TEST(Laws, FlattenedAndInvertedBodyRecoversItsShape) {
 TEST(Laws, BadParametersAreNamed) {
     const auto refused = [](const Material& m, const std::string& where) {
         try {
-            small_strain(m);
+            check_material(m, 4);
             ADD_FAILURE() << where << " was accepted";
         } catch (const Error& e) {
             EXPECT_EQ(e.where(), where);
@@ -296,6 +302,9 @@ TEST(Laws, BadParametersAreNamed) {
     refused(VerondaWestman{1, -1, 1}, "material.c2");
     refused(Ogden{{}, 1}, "material.terms");
     refused(Ogden{{{1, 0}}, 1}, "material.terms[0].alpha");
+    refused(Costa{.a_pa = 0}, "material.a_pa");
+    refused(Costa{.bulk_pa = -1}, "material.bulk_pa");
+    refused(Costa{.b = {1, 1, 1, 0, 1, 1}}, "material.b[3]");
 }
 
 }  // namespace

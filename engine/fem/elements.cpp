@@ -1,6 +1,7 @@
 #include "supple/fem/elements.h"
 
 #include "supple/base/assert.h"
+#include "supple/base/error.h"
 #include "supple/fem/element_passes.h"
 #include "supple/fem/hyper_parameters.h"
 #include "supple/fem/rest.h"
@@ -27,8 +28,8 @@ void fill_lists(Assembly& pass, const MatrixLists& lists, double scale, std::spa
 /// Linear elasticity in a frame: small displacements and the corotational methods.
 class FrameTets final : public Elements {
 public:
-    FrameTets(const ElementsDef& def, Frame frame)
-        : def_(def), moduli_(make_moduli(*def.rest, def.lame)), set_{*def.rest, *def.corners, moduli_, tet4_kernels(def.isa), frame} {
+    FrameTets(const ElementsDef& def, const ElementMaterials& materials)
+        : def_(def), moduli_(make_moduli(*def.rest, element_lame(materials, def.rest->elements))), set_{*def.rest, *def.corners, moduli_, tet4_kernels(def.isa), frame_of(materials.list[0])} {
         const std::size_t records = def.rest->blocks() * kBlock * kRecord;
         if (def.precision == MatrixPrecision::single) record_f_.resize(records);
         if (def.precision == MatrixPrecision::double_) record_d_.resize(records);
@@ -85,13 +86,15 @@ private:
     AlignedVector<double> record_d_;
 };
 
-/// Hyperelastic laws in principal stretches.
+/// Hyperelastic laws.
 class HyperTets final : public Elements {
 public:
-    HyperTets(const ElementsDef& def, HyperParameters parameters)
-        : def_(def), parameters_(std::move(parameters)), kernels_(tet4_hyper_kernels(def.isa)) {
+    HyperTets(const ElementsDef& def, const ElementMaterials& materials)
+        : def_(def), parameters_(make_hyper_parameters(*def.rest, materials)), kernels_(tet4_hyper_kernels(def.isa)) {
         const std::size_t lanes = def.rest->blocks() * kBlock;
-        tangent_.resize(lanes * kTangent);
+        def_.project = def.project && is_regularized(materials.list[0]);
+        tangent_.resize(lanes * (is_tensor_law(parameters_.law) ? kTensorTangent : kTangent));
+        fibre_tangent_.resize(lanes * parameters_.families * kFibreTangent);
         if (def.precision == MatrixPrecision::single) block_f_.resize(lanes * kElementBlocks);
         if (def.precision == MatrixPrecision::double_) block_d_.resize(lanes * kElementBlocks);
     }
@@ -103,6 +106,8 @@ public:
         pass.volume = def_.rest->volume.data();
         pass.parameter = parameters_.field.data();
         pass.parameters = parameters_.count;
+        pass.fibre = parameters_.fibre.data();
+        pass.families = parameters_.families;
         pass.position = position;
         pass.project = def_.project;
         pass.quaternion = quaternion;
@@ -111,6 +116,7 @@ public:
         pass.stress = outputs.stress;
         if (outputs.tangent) {
             pass.tangent = tangent_.data();
+            pass.fibre_tangent = fibre_tangent_.data();
             if (!block_f_.empty()) pass.block_f = block_f_.data();
             if (!block_d_.empty()) pass.block_d = block_d_.data();
         }
@@ -119,9 +125,20 @@ public:
     }
 
     void product(Team& team, const double*, std::span<const Vec3> field, AlignedVector<double>& corner, std::vector<Vec3>& out) override {
-        const Tet4HyperProduct pass{def_.rest->vertex.data(), def_.rest->gradient.data(), def_.rest->volume.data(),
-                                    tangent_.data(),          field.data()->data(),       corner.data()};
-        team.for_range(def_.rest->blocks(), kBlockChunk, [&](std::size_t begin, std::size_t end) { kernels_.product(pass, begin, end); });
+        Tet4HyperProduct pass;
+        pass.vertex = def_.rest->vertex.data();
+        pass.gradient = def_.rest->gradient.data();
+        pass.volume = def_.rest->volume.data();
+        pass.tangent = tangent_.data();
+        pass.parameter = parameters_.field.data();
+        pass.parameters = parameters_.count;
+        pass.fibre = parameters_.fibre.data();
+        pass.fibre_tangent = fibre_tangent_.data();
+        pass.families = parameters_.families;
+        pass.field = field.data()->data();
+        pass.corner_force = corner.data();
+        const auto kernel = is_tensor_law(parameters_.law) ? kernels_.product_tensor : kernels_.product;
+        team.for_range(def_.rest->blocks(), kBlockChunk, [&](std::size_t begin, std::size_t end) { kernel(pass, begin, end); });
         gather(team, *def_.corners, corner, out);
     }
 
@@ -146,16 +163,20 @@ private:
     ElementsDef def_;
     HyperParameters parameters_;
     const Tet4HyperKernels& kernels_;
-    AlignedVector<double> tangent_;
+    AlignedVector<double> tangent_, fibre_tangent_;
     AlignedVector<float> block_f_;
     AlignedVector<double> block_d_;
 };
 
 }  // namespace
 
-std::unique_ptr<Elements> make_elements(const ElementsDef& def, const Material& material) {
-    if (is_hyperelastic(material)) return std::make_unique<HyperTets>(def, make_hyper_parameters(*def.rest, material));
-    return std::make_unique<FrameTets>(def, frame_of(material));
+std::unique_ptr<Elements> make_elements(const ElementsDef& def, const ElementMaterials& materials) {
+    for (const Material& material : materials.list) {
+        if (same_law(material, materials.list[0])) continue;
+        throw Error(ErrorCode::unsupported, "material", "the elements of one body must have the same law, rotation and matrix_regularization; only parameters may differ");
+    }
+    if (is_hyperelastic(materials.list[0])) return std::make_unique<HyperTets>(def, materials);
+    return std::make_unique<FrameTets>(def, materials);
 }
 
 }  // namespace supple::fem

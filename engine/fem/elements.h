@@ -5,6 +5,7 @@
 
 #include "supple/base/parallel.h"
 #include "supple/fem/corners.h"
+#include "supple/fem/element_materials.h"
 #include "supple/fem/tet4.h"
 #include "supple/material/material.h"
 
@@ -55,11 +56,11 @@ struct ElementsDef {
     MatrixLists lists;                                 ///< may be empty with MatrixPrecision::none
     MatrixPrecision precision = MatrixPrecision::none;
     Isa isa = Isa::scalar;
-    std::vector<Lame> lame;                            ///< linear and corotational: one per element, or one for all
-    bool project = true;                               ///< hyperelastic: tangent made positive semidefinite
+    bool project = true;                               ///< hyperelastic: tangent made positive semidefinite where the material's matrix_regularization says so
 };
 
-/// Elements of a validated material.
-std::unique_ptr<Elements> make_elements(const ElementsDef& def, const Material& material);
+/// Elements of validated materials.
+/// @error Error(unsupported) where the elements of one body have different laws
+std::unique_ptr<Elements> make_elements(const ElementsDef& def, const ElementMaterials& materials);
 
 }  // namespace supple::fem

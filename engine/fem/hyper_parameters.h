@@ -1,16 +1,22 @@
 #pragma once
+#include "supple/fem/element_materials.h"
 #include "supple/fem/tet4_hyper.h"
-#include "supple/material/material.h"
 
 namespace supple::fem {
 
 /// Parameters of a hyperelastic law in the layout of the kernels.
 struct HyperParameters {
     Law law = Law::neo_hookean;
-    std::size_t count = 0;          ///< per element: the stiffness of the inversion, then the law's
+    std::size_t count = 0;          ///< per element: the stiffness of the inversion, the law's; of a tensor law also its frame
     AlignedVector<double> field;    ///< [block][count][lane]
+    std::size_t families = 0;       ///< of fibres
+    AlignedVector<double> fibre;    ///< [block][family][kFibre][lane]
 };
 
-HyperParameters make_hyper_parameters(const Tet4Rest& rest, const Material& material);
+/// @param materials  all of the same law
+HyperParameters make_hyper_parameters(const Tet4Rest& rest, const ElementMaterials& materials);
+
+/// Material frame of an element of Costa's law, columns f s n.
+Mat3 material_frame(const Fibres& fibres, std::size_t element);
 
 }  // namespace supple::fem

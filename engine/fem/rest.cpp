@@ -43,10 +43,11 @@ AlignedVector<double> make_moduli(const Tet4Rest& rest, std::span<const Lame> la
     return moduli;
 }
 
-std::vector<double> lumped_mass(const Tet4Rest& rest, double density_kg_m3) {
+std::vector<double> lumped_mass(const Tet4Rest& rest, std::span<const double> density_kg_m3) {
+    SUPPLE_ASSERT(density_kg_m3.size() == 1 || density_kg_m3.size() == rest.elements);
     std::vector<double> mass(rest.vertices, 0.0);
     for (std::size_t i = 0; i < rest.elements; ++i) {
-        const double quarter = density_kg_m3 * rest.volume[i] / 4;
+        const double quarter = density_kg_m3[density_kg_m3.size() == 1 ? 0 : i] * rest.volume[i] / 4;
         for (std::size_t a = 0; a < 4; ++a) mass[std::size_t(rest.vertex[(i / kBlock * 4 + a) * kBlock + i % kBlock])] += quarter;
     }
     return mass;

@@ -14,8 +14,8 @@ Tet4Rest make_rest(std::span<const Vec3> vertices, std::span<const Tet> tets);
 /// Lame parameters in the layout of the kernels, [block][lambda mu][lane]. One Lame per element, or one for all.
 AlignedVector<double> make_moduli(const Tet4Rest& rest, std::span<const Lame> lame);
 
-/// Row-sum lumped mass: a quarter of each element's mass to each of its vertices [kg].
-std::vector<double> lumped_mass(const Tet4Rest& rest, double density_kg_m3);
+/// Row-sum lumped mass: a quarter of each element's mass to each of its vertices [kg]. One density for all, or one per element.
+std::vector<double> lumped_mass(const Tet4Rest& rest, std::span<const double> density_kg_m3);
 
 /// mu (g_a . g_b) V of each pair of corners of an element: the part of the stiffness that no rotation changes [N/m].
 /// @param pair  element * 16 + a * 4 + b

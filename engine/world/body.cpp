@@ -7,6 +7,7 @@
 #include "supple/fem/rest.h"
 #include "supple/fem/stress.h"
 #include "supple/solve/chunked_sum.h"
+#include "supple/world/body_materials.h"
 
 namespace supple {
 
@@ -25,33 +26,6 @@ namespace {
     throw Error(ErrorCode::invalid_argument, "BodyDef." + field, message);
 }
 
-/// Lame parameters of the elements: one for all, or one for each where the definition has arrays.
-std::vector<Lame> lame_of(const BodyDef& def, std::size_t elements) {
-    const bool per_element = !def.young_pa_per_element.empty() || !def.poisson_per_element.empty();
-    if (!per_element) return {small_strain(def.material, "BodyDef.material")};
-    Linear material;  // the one shape of young_pa and poisson
-    if (const auto* linear = std::get_if<Linear>(&def.material)) material = *linear;
-    if (const auto* corotational = std::get_if<Corotational>(&def.material)) material = {corotational->young_pa, corotational->poisson};
-    if (is_hyperelastic(def.material)) {
-        bad_body("young_pa_per_element", "arrays of young_pa and poisson belong to the linear and corotational laws; this body's law has other parameters");
-    }
-    const auto check = [&](const std::vector<double>& values, const char* name) {
-        if (!values.empty() && values.size() != elements) {
-            bad_body(name, "has " + std::to_string(values.size()) + " values, the mesh has " + std::to_string(elements) +
-                               " elements; give one per element in mesh order, or none");
-        }
-    };
-    check(def.young_pa_per_element, "young_pa_per_element");
-    check(def.poisson_per_element, "poisson_per_element");
-    std::vector<Lame> lame(elements);
-    for (std::size_t e = 0; e < elements; ++e) {
-        lame[e] = lame_parameters(def.young_pa_per_element.empty() ? material.young_pa : def.young_pa_per_element[e],
-                                  def.poisson_per_element.empty() ? material.poisson : def.poisson_per_element[e],
-                                  "BodyDef, element " + std::to_string(e));
-    }
-    return lame;
-}
-
 void size_workspace(Workspace& w, const TemplateData& data) {
     const std::size_t n = data.rest.vertices;
     w.corner.resize(data.rest.blocks() * fem::kBlock * 16);
@@ -62,31 +36,39 @@ void size_workspace(Workspace& w, const TemplateData& data) {
 
 }  // namespace
 
+void apply_materials(Body& body, const BodyDef& def, const WorldDef& world, Isa isa) {
+    const TemplateData& data = body.data();
+    const BodyMaterials materials = resolve_materials(def, data.mesh);
+    fem::ElementsDef elements_def;
+    elements_def.rest = &data.rest;
+    elements_def.corners = &data.corners;
+    elements_def.lists = {data.pattern.row_start, data.pattern.column, data.pattern.mirror, data.gather.start, data.gather.pair};
+    elements_def.precision = world.solver.precision == Precision::single ? fem::MatrixPrecision::single : fem::MatrixPrecision::double_;
+    elements_def.isa = isa;
+    auto elements = fem::make_elements(elements_def, materials.elements);
+    auto mass = fem::lumped_mass(data.rest, materials.density_kg_m3);
+    auto trace = fem::stiffness_trace(data.rest, fem::make_moduli(data.rest, fem::element_lame(materials.elements, data.rest.elements)));
+    auto young = element_young(materials.elements, data.rest.elements);
+    BodyDef kept = def;
+    std::swap(body.def, kept);
+    body.elements = std::move(elements);
+    body.mass = std::move(mass);
+    body.stiffness_trace = std::move(trace);
+    body.young_pa = std::move(young);
+    body.stress.valid = false;
+}
+
 std::unique_ptr<Body> make_body(const BodyDef& def, const WorldDef& world, std::size_t index, Isa isa) {
     if (!def.shape) bad_body("shape", "is null; make one with BodyTemplate::build(mesh)");
-    if (!(std::isfinite(def.density_kg_m3) && def.density_kg_m3 > 0)) {
-        bad_body("density_kg_m3", to_text(def.density_kg_m3) + " must be above 0; water and soft tissue have about 1000");
-    }
     if (!def.translation_m.allFinite()) bad_body("translation_m", "is not finite");
     if (!def.velocity_m_s.allFinite()) bad_body("velocity_m_s", "is not finite");
 
     auto body = std::make_unique<Body>();
-    body->def = def;
     body->name = def.name.empty() ? "body " + std::to_string(index) : def.name;
     body->shape = def.shape;
     const TemplateData& data = body->data();
     const std::size_t n = data.rest.vertices;
-    const std::vector<Lame> lame = lame_of(def, data.rest.elements);
-    fem::ElementsDef elements;
-    elements.rest = &data.rest;
-    elements.corners = &data.corners;
-    elements.lists = {data.pattern.row_start, data.pattern.column, data.pattern.mirror, data.gather.start, data.gather.pair};
-    elements.precision = world.solver.precision == Precision::single ? fem::MatrixPrecision::single : fem::MatrixPrecision::double_;
-    elements.isa = isa;
-    elements.lame = lame;
-    body->elements = fem::make_elements(elements, def.material);
-    body->mass = fem::lumped_mass(data.rest, def.density_kg_m3);
-    body->stiffness_trace = fem::stiffness_trace(data.rest, fem::make_moduli(data.rest, lame));
+    apply_materials(*body, def, world, isa);
     body->owner.assign(3 * n, kFree);
     for (std::size_t i = 0; i < n; ++i) {
         if (body->mass[i] == 0) std::fill_n(body->owner.begin() + std::ptrdiff_t(3 * i), 3, kHeld);  // a vertex of no element

@@ -86,6 +86,7 @@ struct Body {
     // Model: constant during a step.
     std::unique_ptr<fem::Elements> elements;  ///< the law at work; holds the tangent of the current step
     std::vector<double> mass;         ///< [vertex]
+    std::vector<double> young_pa;     ///< [element] at small strain: for pictures
     std::vector<double> stiffness_trace;  ///< of each vertex's diagonal block at rest [N/m]
     std::vector<std::int32_t> owner;  ///< [vertex * 3 + axis] kFree, kHeld, or an index into motions
     std::vector<Motion> motions;
@@ -129,6 +130,8 @@ struct Drag {
 
 /// @error Error(invalid_argument) naming the field of BodyDef
 std::unique_ptr<Body> make_body(const BodyDef& def, const WorldDef& world, std::size_t index, Isa isa);
+/// Makes what depends on the materials of a definition: elements, mass, stiffness. Strong guarantee: where it throws, the body is as it was.
+void apply_materials(Body& body, const BodyDef& def, const WorldDef& world, Isa isa);
 /// Fills body.stress from the current positions, unless it is valid.
 void update_stress(const Body& body, Team& team);
 

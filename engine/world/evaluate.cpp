@@ -18,9 +18,11 @@ struct Configuration {
         fem::ElementsDef def;
         def.rest = &data.rest;
         def.corners = &data.corners;
-        def.lame = {small_strain(material)};
         def.project = false;
-        elements = fem::make_elements(def, material);
+        check_material(material, data.rest.elements);
+        fem::ElementMaterials materials;
+        materials.list = {material};
+        elements = fem::make_elements(def, materials);
         quaternion.resize(data.rest.blocks() * 4 * fem::kBlock);
         corner.resize(data.rest.blocks() * fem::kBlock * 16);
         fem::seed_rotations(team, data.rest, positions, quaternion);
