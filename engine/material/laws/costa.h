@@ -2,7 +2,7 @@
 /// Costa (Fung-type, orthotropic):  W = a/2 (exp(Qb) - 1) + K (J ln J - J + 1),  Qb = J^-4/3 Q,  Q = sum over i, j of b_ij E_ij^2 in the material frame
 /// [f s n]: b_ff E_ff^2 + b_ss E_ss^2 + b_nn E_nn^2 + 2 (b_fs E_fs^2 + b_fn E_fn^2 + b_sn E_sn^2).   Parameters: a, K [Pa]; b_ff b_fs b_ss b_fn b_sn b_nn [1].
 /// Small strain: shear moduli G_ij = a b_ij/2, C_ii = a b_ii + K, C_ij = K: K acts as Lame's lambda, and the bulk modulus is K + a (b_ff + b_ss + b_nn)/9; all b
-/// equal is isotropic with mu = a b/2. Legal: a > 0, K > 0, every b > 0. Needs J > 0 (extended below, tensor_inversion.h). Large exponents: bounded_exponential.h.
+/// equal is isotropic with mu = a b/2. Legal: a > 0, K > 0, every b > 0. Needs J > 0 (extended below stretches of 0.3, tensor_inversion.h). Large exponents: bounded_exponential.h.
 /// Source: Costa, Holmes, McCulloch 2001; the isochoric exponent as SOFA's Costa has it. Guccione's law is a = C, b_ff = bf, b_ss = b_nn = b_sn = bt,
 /// b_fs = b_fn = bfs at J = 1.
 ///

@@ -1,7 +1,7 @@
 #pragma once
 /// Carries a tensor law that needs det F > 0 through flat and inverted elements: inversion.h for laws that are not isotropic.
 ///
-/// Below the floor s* = 0.1 the energy goes on from F^ = U diag(t) V^T, t_i = max(s_i, s*), along its tangent, with a spring k:
+/// Below the floor s* = 0.3 the energy goes on from F^ = U diag(t) V^T, t_i = max(s_i, s*), along its tangent, with a spring k:
 ///     W(F) = W(F^) + P(F^):(F - F^) + k/2 |F - F^|^2
 /// F^ is an isotropic function of F: dF^ = L dF, where in the principal frame L takes dF_ii to (0 where clamped, else 1) dF_ii, and of each pair (i, j) the
 /// symmetric part to (t_i - t_j)/(s_i - s_j), the antisymmetric to (t_i + t_j)/(s_i + s_j) times itself. L is self-adjoint and L (F - F^) = 0, so
@@ -80,7 +80,7 @@ struct Clamping {
 };
 
 inline Clamping clamp_stretches(const Lanes s[3]) {
-    const Lanes floor(kStretchFloor);
+    const Lanes floor(kExponentialFloor);
     Clamping c{{s[0], s[1], s[2]},
                {larger(s[0], floor), larger(s[1], floor), larger(s[2], floor)},
                {s[0] < floor, s[1] < floor, s[2] < floor},
@@ -158,15 +158,34 @@ inline TensorResponse tensor_response(Law&& law, Lanes k, const M3<Lanes>& U, co
                 *factor = k * (positive ? larger(one - *factor, zero) : one - *factor);
             }
         }
-        Lanes C[9][9];
+        // L C L from its factors, dE^T D dE + dF S dF: the products of huge numbers that cancel are never formed.
+        M3<Lanes> step[9], turned[9], spring[9];
+        Lanes strain[9][6], stressed[9][6];
         for (int n = 0; n < 9; ++n) {
             M3<Lanes> unit;
             for (int m = 0; m < 9; ++m) unit.m[m / 3][m % 3] = m == n ? one : zero;
-            const M3<Lanes> spring = rest(unit), column = L(times(r.C, L(unit)));
-            for (int m = 0; m < 9; ++m) C[m][n] = choose(clamping.any, column.m[m / 3][m % 3] + spring.m[m / 3][m % 3], r.C[m][n]);
+            step[n] = L(unit);
+            spring[n] = rest(unit);
+            for (int i = 0; i < 3; ++i)
+                for (int J = 0; J < 3; ++J) S.m[i][J] = at.S[kSym[i][J]];
+            turned[n] = step[n] * S;
+            const M3<Lanes> G = transposed_product(Fh, step[n]);
+            for (int I = 0; I < 6; ++I) {  // as sum over I of D[.][I] strain[I]: shears count twice
+                strain[n][I] = I < 3 ? G.m[I][I] : G.m[kSymI[I]][kSymJ[I]] + G.m[kSymJ[I]][kSymI[I]];
+            }
+            for (int I = 0; I < 6; ++I) {
+                stressed[n][I] = zero;
+                for (int K = 0; K < 6; ++K) stressed[n][I] = stressed[n][I] + at.D[I][K] * strain[n][K];
+            }
         }
-        for (int m = 0; m < 9; ++m)
-            for (int n = 0; n < 9; ++n) r.C[m][n] = Lanes(0.5) * (C[m][n] + C[n][m]);
+        for (int m = 0; m < 9; ++m) {
+            for (int n = m; n < 9; ++n) {
+                Lanes sum = Lanes(0.5) * (spring[n].m[m / 3][m % 3] + spring[m].m[n / 3][n % 3]);
+                for (int I = 0; I < 6; ++I) sum = sum + strain[m][I] * stressed[n][I];
+                for (int i = 0; i < 9; ++i) sum = sum + step[m].m[i / 3][i % 3] * turned[n].m[i / 3][i % 3];
+                r.C[m][n] = r.C[n][m] = choose(clamping.any, sum, r.C[m][n]);
+            }
+        }
     }
     return r;
 }

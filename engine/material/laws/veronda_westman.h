@@ -1,6 +1,6 @@
 #pragma once
 /// Veronda-Westman:  W = c1 (exp(c2 (Ib1 - 3)) - 1) - c1 c2/2 (Ib2 - 3) + K/2 ln^2 J.   Parameters: c1 [Pa], c2 [1], K [Pa].
-/// Small strain: shear modulus c1 c2, bulk modulus K. Legal: c1 > 0, c2 > 0, K > 0. Needs J > 0 (extended below, inversion.h). Large
+/// Small strain: shear modulus c1 c2, bulk modulus K. Legal: c1 > 0, c2 > 0, K > 0. Needs J > 0 (extended below stretches of 0.3, inversion.h). Large
 /// exponents: bounded_exponential.h. Source: Veronda and Westmann 1970.
 #include "supple/material/laws/bounded_exponential.h"
 #include "supple/material/laws/isochoric.h"
