@@ -40,7 +40,9 @@ struct Scene {
 ///   camera   {eye_m, target_m, fov_deg}
 ///   bodies   [{name, mesh: "file" or box: {min_m, max_m, cells: [nx, ny, nz], elements: "tets"}, scale, translation_m, velocity_m_s,
 ///   density_kg_m3,
-///             material {law, rotation, young_pa, poisson}, regions [{<selection>, material {young_pa, poisson}, stiffness_factor}],
+///             material {law, rotation, young_pa, poisson}, or of a hyperelastic law {law, its parameters, fibre, sheet, fibre_stiffness_pa,
+///             fibre_exponent, sheet_stiffness_pa, sheet_exponent, matrix_regularization},
+///             regions [{<selection>, material, stiffness_factor, density_kg_m3}],
 ///             fixed [{<selection>, axes}], prescribed [{<selection>, axes, displacement_m | velocity_m_s | affine, times_s}],
 ///             loads [{<selection>, force_n | force_per_vertex_n | traction_pa | body_force_n_m3, times_s}]}]
 ///
@@ -48,8 +50,9 @@ struct Scene {
 /// "selection": one of these or "all"; an entry of `fixed` may be the word "all" alone. Boxes and spheres are closed and look at the scaled
 /// rest shape, before translation_m. A selection that selects nothing is an error.
 ///
-/// young_pa and poisson may be lists with one number per element, in the order of the mesh (tets, then hexes). Regions are applied in their
-/// order; stiffness_factor multiplies the modulus that the element has by then.
+/// The numbers of a material may be lists with one number per element, in the order of the mesh (tets, then hexes), but for b and terms; fibre and
+/// sheet are one direction, or a list of one per element. Regions are applied in their order: `material` takes the place of the body's, keeping what it
+/// does not name; stiffness factors multiply all moduli, each other's too.
 ///
 /// times_s: without it the value is constant. With n times and a list of n values the value is linear between them, constant before the
 /// first and after the last. With two times [t0, t1] and a single value it ramps from zero (for `affine`: from the identity) at t0 to the
