@@ -31,6 +31,7 @@ struct RecordOptions {
     std::size_t stills = 0;
     ShowOptions show;
     FrameOptions frame;
+    std::string color_by;
     bool no_stress = false;
     bool quiet = false;
 };
@@ -123,7 +124,9 @@ int record(RecordOptions o) {
     int width = 0, height = 0;
     read_size(o.size, width, height);
     color_map(o.frame.map);  // refuses an unknown name before anything is computed
-    o.frame.stress = !o.no_stress;
+    if (o.color_by == "stress") o.frame.color_by = ColorBy::stress;
+    if (o.color_by == "stiffness") o.frame.color_by = ColorBy::stiffness;
+    if (o.no_stress) o.frame.color_by = ColorBy::nothing;
     const OpenedShow opened = open_show(o.scene, o.show);
     Show& show = *opened.show;
     World& world = show.world();
@@ -175,7 +178,9 @@ void add_record_command(CLI::App& app, int& status) {
     command->add_option("--fps", o->frames_per_s, "frames per second [60]")->check(CLI::Range(1.0, 1000.0));
     command->add_option("--stills", o->stills, "also write so many PNG pictures beside the video")->check(CLI::Range(1, 1000));
     command->add_option("--map", o->frame.map, "colour map [viridis]");
-    command->add_flag("--no-stress", o->no_stress, "plain material instead of the stress map");
+    CLI::Option* color_by = command->add_option("--color-by", o->color_by, "stress (von Mises) or stiffness (Young's modulus) [stress, or what the demo shows]")
+                                ->check(CLI::IsMember({"stress", "stiffness"}));
+    command->add_flag("--no-stress", o->no_stress, "plain material instead of a colour map")->excludes(color_by);
     command->add_flag("--wireframe", o->frame.wireframe, "draw the edges of the elements");
     command->add_option("--threads", o->show.threads, "threads [those of the scene, or all cores]")->check(CLI::Range(1, 256));
     command->add_flag("--quiet", o->quiet, "no progress bar and no table");

@@ -1,6 +1,7 @@
 #pragma once
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -10,6 +11,9 @@
 
 namespace supple::demos {
 
+/// What the colours of the surfaces show.
+enum class ColorBy { nothing, stress, stiffness };
+
 /// A running demo or scene: a world, what is done to it over time, and how it is shown.
 class Show {
 public:
@@ -17,6 +21,7 @@ public:
     virtual World& world() = 0;
     virtual void before_step() {}                    ///< scripted touch; simulated time is world().time_s()
     virtual void decorate(FrameView& view) { (void)view; }  ///< camera, caption, colour range, arrows; surfaces are already there
+    virtual ColorBy color_by() const { return ColorBy::stress; }  ///< at this moment, unless the command line says otherwise
     virtual double duration_s() const { return 10; } ///< how long `record` runs by default
 };
 

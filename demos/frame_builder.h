@@ -1,4 +1,5 @@
 #pragma once
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -8,7 +9,7 @@
 namespace supple::demos {
 
 struct FrameOptions {
-    bool stress = true;        ///< colour by von Mises stress
+    std::optional<ColorBy> color_by;  ///< none: what the show wants
     bool wireframe = false;
     std::string map = "viridis";
 };
@@ -41,6 +42,7 @@ private:
     StressRange range_;
     FrameView view_;
     std::vector<std::vector<Vec3>> positions_;
+    std::vector<std::vector<double>> stiffness_;  ///< per body and vertex
 };
 
 }  // namespace supple::demos
