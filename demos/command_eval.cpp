@@ -31,10 +31,8 @@ Material parse_material(const std::string& text) {
     return body.material;
 }
 
-/// Each law has one tangent: the corotational ones hold their rotations, the others are differentiated fully. Linear: both are the same.
+/// Corotational laws have two tangents; the others are differentiated fully. Linear: both are the same.
 void check_tangent(const std::string& tangent, const Material& material) {
-    if (tangent == "exact" && std::holds_alternative<Corotational>(material))
-        throw Error(ErrorCode::unsupported, "--tangent exact", "this version differentiates a corotational law with its rotations held: use warped");
     if (tangent == "warped" && is_hyperelastic(material))
         throw Error(ErrorCode::unsupported, "--tangent warped", "a hyperelastic law has no rotation to hold: use exact, its consistent tangent");
 }
@@ -53,7 +51,8 @@ int eval(const EvalOptions& o) {
     const Evaluation result = evaluate(*shape, material, positions);
     if (!o.forces.empty()) io::write_vectors(o.forces, result.forces_n);
     if (!o.direction.empty())
-        io::write_vectors(o.dforces, force_differential(*shape, material, positions, io::read_vectors(o.direction, vertices)));
+        io::write_vectors(o.dforces, force_differential(*shape, material, positions, io::read_vectors(o.direction, vertices),
+                                                        o.tangent == "exact" ? Tangent::exact : Tangent::automatic));
     if (!o.stress.file.empty()) io::write_stress(o.stress.file, o.stress.at_vertices() ? result.vertex_stress_pa : result.element_stress_pa);
     std::printf("%s\n", JsonObject()
                             .add("energy_j", json(result.energy_j))
@@ -78,7 +77,7 @@ void add_eval_command(CLI::App& app, int& status) {
     CLI::Option* dforces = command->add_option("--dforces", o->dforces, "write the force differential (df/dx) d [N]");
     direction->needs(dforces);
     dforces->needs(direction);
-    command->add_option("--tangent", o->tangent, "tangent of --dforces: warped (corotational, linear) or exact (linear, hyperelastic) [that of the law]")->check(CLI::IsMember({"warped", "exact"}))->needs(dforces);
+    command->add_option("--tangent", o->tangent, "tangent of --dforces: warped (corotational, linear) or exact (all but rotation large) [warped for corotational, exact for hyperelastic]")->check(CLI::IsMember({"warped", "exact"}))->needs(dforces);
     o->stress.add(*command);
     command->callback([o, &status] { status = eval(*o); });
 }

@@ -31,7 +31,7 @@ public:
         BodyDef def;
         def.name = "block";
         // The half behind the plane of symmetry z = 0; what faces us is the cut.
-        def.shape = BodyTemplate::build(make_tet_box({.min_m = Vec3(-0.1, 0, -0.08), .max_m = Vec3(0.1, 0.12, 0), .cells = {30, 18, 12}}));
+        def.shape = BodyTemplate::build(make_tet_box({.min_m = Vec3(-0.1, 0, -0.08), .max_m = Vec3(0.1, 0.12, 0), .cells = {24, 14, 10}}));
         def.material = NeoHookean{lame_parameters(kYoung_pa, 0.4, "block").mu_pa, lame_parameters(kYoung_pa, 0.4, "block").lambda_pa};
         def.regions = {{.where = InsideSphere{kCentre_m, kRadius_m}, .stiffness_factor = kContrast}};
         body_ = world_.add_body(def);

@@ -10,8 +10,8 @@ namespace supple::demos {
 namespace {
 
 constexpr double kMu_pa = 1e4, kBulk_pa = 1e5, kLambda_pa = kBulk_pa - 2 * kMu_pa / 3;
-constexpr double kSide_m = 0.03, kLength_m = 0.16, kGap_m = 0.075;
-constexpr double kGently_n = 2, kHard_n = 21;
+constexpr double kSide_m = 0.03, kLength_m = 0.16, kGap_m = 0.1;
+constexpr double kGently_n = 0.5, kHard_n = 14;
 
 struct NamedLaw {
     const char* name;
@@ -64,9 +64,10 @@ public:
         SceneBounds bounds;
         bounds.include(Vec3(-3.9 * kGap_m, 0.03, 0));
         bounds.include(Vec3(3.9 * kGap_m, -0.36, 0));
-        camera_ = frame_camera(bounds, Vec3(0.0, 0.05, 1), 30);
-        camera_.eye_m = camera_.target_m + 0.8 * (camera_.eye_m - camera_.target_m);  // a wide, flat scene
-        camera_.target_m.y() -= 0.02;
+        camera_ = frame_camera(bounds, Vec3(0.0, 0.12, 1), 30);
+        camera_.eye_m = camera_.target_m + 0.64 * (camera_.eye_m - camera_.target_m);  // a wide, flat scene
+        camera_.eye_m.x() = camera_.target_m.x() += 0.04;  // room for the legend
+        camera_.target_m.y() -= 0.025;
     }
 
     World& world() override { return world_; }
@@ -75,8 +76,8 @@ public:
     void decorate(FrameView& view) override {
         const double t = world_.time_s();
         view.camera = camera_;
-        view.ground_height_m.reset();
-        if (view.scale) view.scale->high = 2e5;
+        view.ground_height_m = -0.42;
+        if (view.scale) view.scale->high = 5e4;
         for (std::size_t i = 0; i < bodies_.size(); ++i) {
             view.surfaces[i].look = Look::rubber;
             const double x = kGap_m * (double(i) - 3.5);
@@ -89,7 +90,7 @@ public:
         }
         char text[160];
         if (t < 4)
-            std::snprintf(text, sizeof text, "Eight laws with the same stiffness at small strain, pulled with %.1f N: they stretch alike", -force_.at(t).y());
+            std::snprintf(text, sizeof text, "Eight laws with the same stiffness at small strain, pulled with %.1f N: alike", -force_.at(t).y());
         else
             std::snprintf(text, sizeof text, "Pulled harder they part: %.0f N", -force_.at(t).y());
         view.caption = text;

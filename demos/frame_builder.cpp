@@ -106,7 +106,7 @@ const FrameView& FrameBuilder::build(double alpha, const std::string& hud, doubl
     }
     if (by == ColorBy::stiffness && stiffest > 0) {
         view_.scale = ColorScale{};
-        view_.scale->high = round_up(stiffest);
+        view_.scale->high = round_up(stiffest * (1 - 1e-9));  // a round number stays itself
         view_.scale->title = "Young's modulus";
     }
     view_.ground_height_m = ground_m_;

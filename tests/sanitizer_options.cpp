@@ -1,8 +1,9 @@
-// Defaults of the sanitizers for every test executable, so that a test run by hand behaves as under ctest.
+// Defaults of the sanitizers for every test executable and the program, so that one run by hand behaves as under ctest.
 extern "C" {
 const char* __asan_default_options();
 const char* __ubsan_default_options();
 const char* __tsan_default_options();
+const char* __tsan_default_suppressions();
 
 const char* __asan_default_options() {
 #ifdef SUPPLE_NO_LEAK_CHECK
@@ -13,4 +14,6 @@ const char* __asan_default_options() {
 }
 const char* __ubsan_default_options() { return "print_stacktrace=1"; }
 const char* __tsan_default_options() { return "halt_on_error=1"; }
+// Mesa's software rasteriser is not built for ThreadSanitizer: it destroys fences that its own threads have just released.
+const char* __tsan_default_suppressions() { return "race:swrast_dri.so\nrace:libgallium\n"; }
 }

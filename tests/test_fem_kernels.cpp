@@ -131,7 +131,7 @@ std::vector<Vec3> product(Isa isa, const Deformed& body, Elements& e, std::span<
     Team alone;
     const fem::CornerMap corners = fem::make_corner_map(body.mesh().vertices.size(), body.mesh().tets);
     std::vector<Vec3> out(field.size());
-    fem::stiffness_product(alone, {e.rest, corners, e.moduli, fem::tet4_kernels(isa)}, e.quaternion.data(), field, e.corner, out);
+    fem::stiffness_product(alone, {e.rest, corners, e.moduli, fem::tet4_kernels(isa)}, e.quaternion.data(), nullptr, field, e.corner, out);
     return out;
 }
 

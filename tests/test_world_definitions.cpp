@@ -32,7 +32,7 @@ TEST(WorldDefinitions, EveryFieldOfWorldDefIsChecked) {
     for (const double h : {0.0, -0.01, 1.5, kNaN, HUGE_VAL}) bad_world("time_step_s", [&](WorldDef& d) { d.time_step_s = h; });
     for (const int threads : {-1, 257}) bad_world("threads", [&](WorldDef& d) { d.threads = threads; });
     for (const int steps : {0, 1001}) bad_world("max_catch_up_steps", [&](WorldDef& d) { d.max_catch_up_steps = steps; });
-    for (const int n : {0, -1, 101}) bad_world("solver.newton_iterations", [&](WorldDef& d) { d.solver.newton_iterations = n; });
+    for (const int n : {-1, 1001}) bad_world("solver.newton_iterations", [&](WorldDef& d) { d.solver.newton_iterations = n; });
     for (const double t : {-0.1, 1.0, kNaN}) bad_world("solver.newton_tolerance", [&](WorldDef& d) { d.solver.newton_tolerance = t; });
     for (const double t : {0.0, 1.0, -1e-5, kNaN}) bad_world("solver.cg_relative_tolerance", [&](WorldDef& d) { d.solver.cg_relative_tolerance = t; });
     for (const int n : {0, -5, 1000001}) bad_world("solver.cg_max_iterations", [&](WorldDef& d) { d.solver.cg_max_iterations = n; });

@@ -23,7 +23,7 @@ void run_elements(Team& team, const ElementSet& set, Tet4Pass pass) {
     team.for_range(set.rest.blocks(), kBlockChunk, [&](std::size_t begin, std::size_t end) { set.kernels.elements[std::size_t(set.frame)](pass, begin, end); });
 }
 
-void stiffness_product(Team& team, const ElementSet& set, const double* quaternion, std::span<const Vec3> field,
+void stiffness_product(Team& team, const ElementSet& set, const double* quaternion, const double* twist, std::span<const Vec3> field,
                        AlignedVector<double>& corner, std::vector<Vec3>& out) {
     Tet4Product pass;
     pass.vertex = set.rest.vertex.data();
@@ -31,6 +31,7 @@ void stiffness_product(Team& team, const ElementSet& set, const double* quaterni
     pass.volume = set.rest.volume.data();
     pass.moduli = set.moduli.data();
     pass.quaternion = quaternion;
+    pass.twist = twist;
     pass.field = field.data()->data();
     pass.corner_force = corner.data();
     team.for_range(set.rest.blocks(), kBlockChunk, [&](std::size_t begin, std::size_t end) { set.kernels.product(pass, begin, end); });

@@ -29,8 +29,8 @@ Frame frame_of(const Material& material);
 /// A pass over all elements; fills in what the set knows, the caller sets positions, rotations and outputs.
 void run_elements(Team& team, const ElementSet& set, Tet4Pass pass);
 
-/// out = K field, with the given rotations: float64, matrix-free. `corner` is scratch, 16 numbers per lane.
-void stiffness_product(Team& team, const ElementSet& set, const double* quaternion, std::span<const Vec3> field,
+/// out = K field, with the given rotations (and twist stiffness, Tet4Pass, or null): float64, matrix-free. `corner` is scratch, 16 numbers per lane.
+void stiffness_product(Team& team, const ElementSet& set, const double* quaternion, const double* twist, std::span<const Vec3> field,
                        AlignedVector<double>& corner, std::vector<Vec3>& out);
 
 /// out[v] = sum of the corner values at v.

@@ -1,5 +1,8 @@
 #include "supple/fem/elements.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "supple/base/assert.h"
 #include "supple/base/error.h"
 #include "supple/fem/element_passes.h"
@@ -29,10 +32,21 @@ void fill_lists(Assembly& pass, const MatrixLists& lists, double scale, std::spa
 class FrameTets final : public Elements {
 public:
     FrameTets(const ElementsDef& def, const ElementMaterials& materials)
-        : def_(def), moduli_(make_moduli(*def.rest, element_lame(materials, def.rest->elements))), set_{*def.rest, *def.corners, moduli_, tet4_kernels(def.isa), frame_of(materials.list[0])} {
-        const std::size_t records = def.rest->blocks() * kBlock * kRecord;
-        if (def.precision == MatrixPrecision::single) record_f_.resize(records);
-        if (def.precision == MatrixPrecision::double_) record_d_.resize(records);
+        : def_(def),
+          moduli_(make_moduli(*def.rest, element_lame(materials, def.rest->elements))),
+          set_{*def.rest, *def.corners, moduli_, tet4_kernels(def.isa), frame_of(materials.list[0])} {
+        const std::size_t lanes = def.rest->blocks() * kBlock;
+        const bool exact = def.exact_rotation && (set_.frame == Frame::polar || set_.frame == Frame::svd);
+        if (exact) twist_.resize(lanes * 6);
+        fill_flow(materials);
+        if (def.precision == MatrixPrecision::single) {
+            record_f_.resize(lanes * kRecord);
+            if (exact) twist_f_.resize(lanes * kTwistRecord);
+        }
+        if (def.precision == MatrixPrecision::double_) {
+            record_d_.resize(lanes * kRecord);
+            if (exact) twist_d_.resize(lanes * kTwistRecord);
+        }
         if (def.precision == MatrixPrecision::none) return;
         laplacian_.assign(def.lists.blocks(), 0.0);
         for (std::size_t b = 0; b < laplacian_.size(); ++b) {
@@ -49,30 +63,65 @@ public:
         pass.corner_force = outputs.corner_force;
         pass.energy = outputs.energy;
         pass.stress = outputs.stress;
-        if (outputs.tangent && !record_f_.empty()) pass.record_f = record_f_.data();
-        if (outputs.tangent && !record_d_.empty()) pass.record_d = record_d_.data();
+        pass.plastic = outputs.plastic;
+        pass.project = def_.project;
+        const auto give = [&](auto& array) { return outputs.tangent && !array.empty() ? array.data() : nullptr; };
+        pass.record_f = give(record_f_);
+        pass.record_d = give(record_d_);
+        pass.twist = give(twist_);
+        pass.twist_f = give(twist_f_);
+        pass.twist_d = give(twist_d_);
         run_elements(team, set_, pass);
     }
 
     void product(Team& team, const double* quaternion, std::span<const Vec3> field, AlignedVector<double>& corner,
                  std::vector<Vec3>& out) override {
-        stiffness_product(team, set_, quaternion, field, corner, out);
+        stiffness_product(team, set_, quaternion, twist_.empty() ? nullptr : twist_.data(), field, corner, out);
+    }
+
+    bool is_plastic() const override { return !flow_.empty(); }
+
+    void flow(Team& team, const double* position, double* quaternion, double* plastic, double h) override {
+        for (std::size_t i = 0; h != flow_h_ && i < creep_1_s_.size(); ++i) {
+            flow_[(i / kBlock * kFlowParameters + 2) * kBlock + i % kBlock] = -std::expm1(-creep_1_s_[i] * h);
+        }
+        flow_h_ = h;
+        const Tet4Flow pass{def_.rest->vertex.data(), def_.rest->gradient.data(), position, flow_.data(), quaternion, plastic};
+        team.for_range(def_.rest->blocks(), kBlockChunk,
+                       [&](std::size_t begin, std::size_t end) { set_.kernels.flow[std::size_t(set_.frame)](pass, begin, end); });
     }
 
     void assemble(Team& team, double scale, std::span<const double> shift, float* value) override {
-        assemble_rows(team, scale, shift, record_f_, value, set_.kernels.assemble_f);
+        assemble_rows(team, scale, shift, record_f_, twist_f_, value, set_.kernels.assemble_f);
     }
     void assemble(Team& team, double scale, std::span<const double> shift, double* value) override {
-        assemble_rows(team, scale, shift, record_d_, value, set_.kernels.assemble_d);
+        assemble_rows(team, scale, shift, record_d_, twist_d_, value, set_.kernels.assemble_d);
     }
 
 private:
+    /// Parameters of plastic flow of each element; none where no material flows.
+    void fill_flow(const ElementMaterials& materials) {
+        if (std::none_of(materials.list.begin(), materials.list.end(), [](const Material& m) { return plasticity_of(m).flows(); })) return;
+        const std::size_t lanes = def_.rest->blocks() * kBlock;
+        flow_.resize(lanes * kFlowParameters);
+        creep_1_s_.resize(lanes);
+        for (std::size_t i = 0; i < lanes; ++i) {
+            const Plasticity plasticity = plasticity_of(materials.at(std::min(i, def_.rest->elements - 1)));
+            double* to = flow_.data() + i / kBlock * kFlowParameters * kBlock + i % kBlock;
+            to[0] = plasticity.yield;
+            to[kBlock] = plasticity.max;
+            creep_1_s_[i] = plasticity.creep_1_s;
+        }
+    }
+
     template <class Real, class Kernel>
-    void assemble_rows(Team& team, double scale, std::span<const double> shift, const AlignedVector<Real>& record, Real* value, Kernel kernel) {
+    void assemble_rows(Team& team, double scale, std::span<const double> shift, const AlignedVector<Real>& record,
+                       const AlignedVector<Real>& twist, Real* value, Kernel kernel) {
         SUPPLE_ASSERT(!record.empty());
         Tet4Assembly<Real> pass;
         fill_lists(pass, def_.lists, scale, shift);
         pass.record = record.data();
+        if (!twist.empty()) pass.twist = twist.data();
         pass.laplacian = laplacian_.data();
         pass.value = value;
         team.for_range(def_.lists.rows(), kRowChunk, [&](std::size_t begin, std::size_t end) { kernel(pass, begin, end); });
@@ -82,8 +131,12 @@ private:
     AlignedVector<double> moduli_;
     ElementSet set_;
     std::vector<double> laplacian_;  ///< [matrix block] sum of mu V g_a.g_b
-    AlignedVector<float> record_f_;
-    AlignedVector<double> record_d_;
+    AlignedVector<float> record_f_, twist_f_;
+    AlignedVector<double> record_d_, twist_d_;
+    AlignedVector<double> twist_;    ///< exact tangent only
+    AlignedVector<double> flow_;     ///< [block][yield max rate][lane] of plastic flow; the rate for steps of flow_h_
+    std::vector<double> creep_1_s_;
+    double flow_h_ = -1;
 };
 
 /// Hyperelastic laws.

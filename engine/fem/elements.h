@@ -22,6 +22,7 @@ struct MatrixLists {
 
 /// What an evaluation is asked for; null is not computed. Layouts as in Tet4Pass.
 struct ElementOutputs {
+    const double* plastic = nullptr;  ///< in: plastic strain of elements that flow
     double* corner_force = nullptr;
     double* energy = nullptr;
     double* stress = nullptr;
@@ -48,6 +49,11 @@ public:
     /// value = stiffness_scale K + diag(diagonal_shift), [block][column][x y z 0]; in the precision given at construction.
     virtual void assemble(Team& team, double stiffness_scale, std::span<const double> diagonal_shift, float* value) = 0;
     virtual void assemble(Team& team, double stiffness_scale, std::span<const double> diagonal_shift, double* value) = 0;
+
+    /// Whether any element can flow: then the caller keeps plastic strains, [block][xx yy zz xy yz zx][lane], zero at first.
+    virtual bool is_plastic() const { return false; }
+    /// Plastic flow of a step of h seconds that ended at these positions.
+    virtual void flow(Team&, const double* /*position*/, double* /*quaternion*/, double* /*plastic*/, double /*h*/) {}
 };
 
 struct ElementsDef {
@@ -56,7 +62,8 @@ struct ElementsDef {
     MatrixLists lists;                                 ///< may be empty with MatrixPrecision::none
     MatrixPrecision precision = MatrixPrecision::none;
     Isa isa = Isa::scalar;
-    bool project = true;                               ///< hyperelastic: tangent made positive semidefinite where the material's matrix_regularization says so
+    bool project = true;                               ///< tangent made positive semidefinite; of hyperelastic laws where matrix_regularization says so
+    bool exact_rotation = false;                       ///< corotational polar, svd: the tangent has the rotation's derivative
 };
 
 /// Elements of validated materials.

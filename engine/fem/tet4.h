@@ -31,7 +31,13 @@ struct Tet4Pass {
     const double* moduli = nullptr;       ///< [block][lambda mu][lane] [Pa]
     const double* position = nullptr;     ///< [vertex][3] [m]
 
+    const double* plastic = nullptr;      ///< [block][xx yy zz xy yz zx][lane] plastic strain in the element's frame (tensor shears); null: none
+    bool project = true;                  ///< twist: eigenvalues below zero are set to zero
+
     double* quaternion = nullptr;         ///< [block][w x y z][lane]: warm start in (polar), rotation of the element out
+    double* twist = nullptr;              ///< out [block][xx yy zz xy yz zx][lane] twist stiffness T in the frame, polar and svd only [Pa]
+    float* twist_f = nullptr;             ///< out [element][xx yy zz xy yz zx 0 0] V/2 R T R^T, with twist
+    double* twist_d = nullptr;
     double* corner_force = nullptr;       ///< out [element][corner][x y z 0] [N], elastic force on each corner
     float* record_f = nullptr;            ///< out, element record (below), float32 or float64
     double* record_d = nullptr;
@@ -43,13 +49,27 @@ struct Tet4Pass {
 /// place of corner 0 lambda V, of corner 1 mu V. 16 numbers: one cache line in float32.
 inline constexpr std::size_t kRecord = 16;
 
-/// K d for a field d, with the rotations held.
+/// Plastic flow of a step, added to the strain kept in the frame of each element:
+///     e = sym(R^T F) - I - e_p,  e' = dev e;   e_p += flow (|e'| - yield)+ e'/|e'|,   then |e_p| <= cap.
+struct Tet4Flow {
+    const std::int32_t* vertex = nullptr;
+    const double* gradient = nullptr;
+    const double* position = nullptr;
+    const double* parameter = nullptr;    ///< [block][yield cap flow][lane]: flow = 1 - exp(-c h)
+    double* quaternion = nullptr;
+    double* plastic = nullptr;            ///< in and out
+};
+inline constexpr std::size_t kFlowParameters = 3;
+inline constexpr std::size_t kTwistRecord = 8;
+
+/// K d for a field d, with the rotations held, or, where twist is given, with their derivative.
 struct Tet4Product {
     const std::int32_t* vertex = nullptr;
     const double* gradient = nullptr;
     const double* volume = nullptr;
     const double* moduli = nullptr;
     const double* quaternion = nullptr;
+    const double* twist = nullptr;        ///< as in Tet4Pass, or null
     const double* field = nullptr;        ///< [vertex][3]
     double* corner_force = nullptr;       ///< out [element][corner][x y z 0]: (K d) corner by corner
 };
@@ -63,6 +83,7 @@ struct Tet4Assembly {
     const std::int64_t* contribution_start = nullptr;  ///< [block + 1]; empty ranges below the diagonal
     const std::uint32_t* contribution = nullptr; ///< element * 16 + corner_of_row * 4 + corner_of_column
     const Real* record = nullptr;
+    const Real* twist = nullptr;                 ///< twist records (Tet4Pass), or null
     const double* laplacian = nullptr;           ///< [block] sum of mu V g_a.g_b [N/m]
     const double* diagonal_shift = nullptr;      ///< [row] added to the diagonal: (1 + h alpha) m
     double stiffness_scale = 1;                  ///< h^2 + h beta
@@ -76,6 +97,8 @@ inline constexpr std::size_t kFrames = 4;
 struct Tet4Kernels {
     /// [frame] Rotation, and any of force, record, energy, stress, of the blocks [begin, end).
     void (*elements[kFrames])(const Tet4Pass& pass, std::size_t begin, std::size_t end);
+    /// Plastic flow; frames rest, large, polar, svd.
+    void (*flow[kFrames])(const Tet4Flow& pass, std::size_t begin, std::size_t end);
     void (*product)(const Tet4Product& pass, std::size_t begin, std::size_t end);
     /// Blocks (i, j >= i) of the rows i in [begin, end) and their mirrors.
     void (*assemble_f)(const Tet4Assembly<float>& pass, std::size_t begin, std::size_t end);

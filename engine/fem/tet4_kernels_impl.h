@@ -6,6 +6,13 @@
 ///     W   = V (mu e:e + lambda/2 tr(e)^2)      (an energy of x where R is I or the polar factor)
 ///     P   = R s,                               f_a = -V P g_a,      sigma = R s R^T
 ///     K_ab (R held) = V (lambda g'_a g'_b^T + mu g'_b g'_a^T + mu (g_a.g_b) I),   g' = R g
+/// With plastic strain e_p, e is sym(R^T F) - I - e_p.
+///
+/// The derivative of the polar factor R adds a stiffness to the twist of F alone. With S = R^T F, G = R^T dF, skew(G) = [w]x and dR = R [r]x:
+///     (tr(S) I - S) r = 2 w,      R^T dP = mu (G + G^T) + lambda tr(G) I + [T w]x,
+///     T = 2 mu I + 2 (lambda tr(S - I) - 2 mu) (tr(S) I - S)^-1,
+/// eigenvalues 2 mu + 2 (lambda tr(S - I) - 2 mu)/(s_i + s_j) in the axes of S: the only ones of d2W/dF2 that can be negative. In corners:
+///     K_ab += V/2 [g'_a]x^T (R T R^T) [g'_b]x.
 #include "supple/fem/tet4_lanes.h"
 #include "supple/math/lane_polar.h"
 #include "supple/math/lane_svd.h"
@@ -44,6 +51,47 @@ inline Matrix find_rotation(const Matrix& F, const Vector d[3], const Vector g[3
     return rotation_matrix(q);
 }
 
+constexpr int kVoigtRow[6] = {0, 1, 2, 0, 1, 2}, kVoigtColumn[6] = {0, 1, 2, 1, 2, 0};
+
+/// A symmetric tensor kept as [xx yy zz xy yz zx][lane].
+inline Matrix load_symmetric(const double* field) {
+    Matrix A;
+    for (int c = 0; c < 6; ++c) {
+        A.m[kVoigtRow[c]][kVoigtColumn[c]] = A.m[kVoigtColumn[c]][kVoigtRow[c]] = load(field + std::size_t(c) * kBlock);
+    }
+    return A;
+}
+
+/// T of the top comment. Projected: not below zero, and s_i + s_j not below 0.1, where T would grow without bound near inversion.
+inline Matrix twist_stiffness(const Matrix& G, Lanes lambda, Lanes mu, Lanes trace, bool project) {
+    const Lanes zero(0.0), two(2.0), half(0.5);
+    Matrix S, Q;
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) S.m[i][j] = half * (G.m[i][j] + G.m[j][i]);
+    jacobi_eigen(S, Q);
+    Lanes t[3];
+    for (int k = 0; k < 3; ++k) {
+        Lanes sum = S.m[(k + 1) % 3][(k + 1) % 3] + S.m[(k + 2) % 3][(k + 2) % 3];
+        if (project) sum = larger(sum, Lanes(0.1));
+        t[k] = two * mu + two * (lambda * trace - two * mu) / sum;
+        if (project) t[k] = larger(t[k], zero);
+    }
+    Matrix T;
+    for (int i = 0; i < 3; ++i)
+        for (int j = i; j < 3; ++j) {
+            T.m[i][j] = T.m[j][i] = t[0] * Q.m[i][0] * Q.m[j][0] + t[1] * Q.m[i][1] * Q.m[j][1] + t[2] * Q.m[i][2] * Q.m[j][2];
+        }
+    return T;
+}
+
+template <class Real>
+inline void store_twist(Real* out, const Matrix& T, Lanes scale) {
+    alignas(64) double s[6][kLanes];
+    for (int c = 0; c < 6; ++c) store(s[c], scale * T.m[kVoigtRow[c]][kVoigtColumn[c]]);
+    for (int lane = 0; lane < kLanes; ++lane)
+        for (int c = 0; c < 6; ++c) out[std::size_t(lane) * kTwistRecord + std::size_t(c)] = Real(s[c][lane]);
+}
+
 template <Frame frame>
 inline void elements(const Tet4Pass& pass, std::size_t begin, std::size_t end) {
     const Lanes one(1.0), two(2.0), half(0.5);
@@ -66,13 +114,18 @@ inline void elements(const Tet4Pass& pass, std::size_t begin, std::size_t end) {
         store(quaternion + 3 * kBlock, q.z);
 
         const Matrix G = transposed_product(R, F);
-        const Lanes trace = G.m[0][0] + G.m[1][1] + G.m[2][2] - Lanes(3.0);
+        const Lanes trace = G.m[0][0] + G.m[1][1] + G.m[2][2] - Lanes(3.0);  // of the whole strain: plastic strain has none
         Matrix S;  // s, the stress in the frame
         for (int i = 0; i < 3; ++i)
             for (int j = 0; j < 3; ++j) {
                 S.m[i][j] = mu * (G.m[i][j] + G.m[j][i]);
                 if (i == j) S.m[i][j] = two * mu * (G.m[i][i] - one) + lambda * trace;
             }
+        if (pass.plastic != nullptr) {
+            const Matrix plastic = load_symmetric(pass.plastic + block * 6 * kBlock + lane);
+            for (int i = 0; i < 3; ++i)
+                for (int j = 0; j < 3; ++j) S.m[i][j] = S.m[i][j] - two * mu * plastic.m[i][j];
+        }
         const Matrix P = R * S;
 
         if (pass.corner_force != nullptr) {
@@ -87,23 +140,78 @@ inline void elements(const Tet4Pass& pass, std::size_t begin, std::size_t end) {
             if (pass.record_f != nullptr) store_corners(pass.record_f + at * kRecord, r, lambda * V, mu * V);
             if (pass.record_d != nullptr) store_corners(pass.record_d + at * kRecord, r, lambda * V, mu * V);
         }
+        if constexpr (frame == Frame::polar || frame == Frame::svd) {
+            if (pass.twist != nullptr) {
+                const Matrix T = twist_stiffness(G, lambda, mu, trace, pass.project);
+                double* twist = pass.twist + block * 6 * kBlock + lane;
+                for (int c = 0; c < 6; ++c) store(twist + std::size_t(c) * kBlock, T.m[kVoigtRow[c]][kVoigtColumn[c]]);
+                const Matrix RT = R * T;
+                Matrix turned;
+                for (int i = 0; i < 3; ++i)
+                    for (int j = 0; j < 3; ++j) turned.m[i][j] = RT.m[i][0] * R.m[j][0] + RT.m[i][1] * R.m[j][1] + RT.m[i][2] * R.m[j][2];
+                if (pass.twist_f != nullptr) store_twist(pass.twist_f + at * kTwistRecord, turned, half * V);
+                if (pass.twist_d != nullptr) store_twist(pass.twist_d + at * kTwistRecord, turned, half * V);
+            }
+        }
         if (pass.energy != nullptr) {
             Lanes ee(0.0);
+            Matrix plastic{};
+            if (pass.plastic != nullptr) plastic = load_symmetric(pass.plastic + block * 6 * kBlock + lane);
             for (int i = 0; i < 3; ++i)
                 for (int j = 0; j < 3; ++j) {
-                    const Lanes e = half * (G.m[i][j] + G.m[j][i]) - (i == j ? one : Lanes(0.0));
+                    Lanes e = half * (G.m[i][j] + G.m[j][i]) - (i == j ? one : Lanes(0.0));
+                    if (pass.plastic != nullptr) e = e - plastic.m[i][j];
                     ee = ee + e * e;
                 }
             store(pass.energy + at, V * (mu * ee + half * lambda * trace * trace));
         }
         if (pass.stress != nullptr) {
-            constexpr int kRow[6] = {0, 1, 2, 0, 1, 2}, kColumn[6] = {0, 1, 2, 1, 2, 0};
             double* stress = pass.stress + block * 6 * kBlock + lane;
             for (int c = 0; c < 6; ++c) {
-                const int i = kRow[c], j = kColumn[c];
+                const int i = kVoigtRow[c], j = kVoigtColumn[c];
                 store(stress + std::size_t(c) * kBlock, P.m[i][0] * R.m[j][0] + P.m[i][1] * R.m[j][1] + P.m[i][2] * R.m[j][2]);
             }
         }
+    }
+}
+
+template <Frame frame>
+inline void flow(const Tet4Flow& pass, std::size_t begin, std::size_t end) {
+    const Lanes zero(0.0), one(1.0), half(0.5), third(1.0 / 3.0), tiny(1e-150);
+    for (std::size_t at = begin * kBlock; at < end * kBlock; at += kLanes) {
+        const std::size_t block = at / kBlock, lane = at % kBlock;
+        Vector d[3], g[3];
+        corner_differences(pass.position, pass.vertex + block * 4 * kBlock + lane, d);
+        load_gradients(pass.gradient + block * 9 * kBlock + lane, g);
+        double* quaternion = pass.quaternion + block * 4 * kBlock + lane;
+        const Matrix F = gradient(d, g);
+        Quat<Lanes> q{load(quaternion), load(quaternion + kBlock), load(quaternion + 2 * kBlock), load(quaternion + 3 * kBlock)};
+        const Matrix G = transposed_product(find_rotation<frame>(F, d, g, q), F);
+        store(quaternion, q.w);
+        store(quaternion + kBlock, q.x);
+        store(quaternion + 2 * kBlock, q.y);
+        store(quaternion + 3 * kBlock, q.z);
+
+        const double* parameter = pass.parameter + block * kFlowParameters * kBlock + lane;
+        const Lanes yield = load(parameter), cap = load(parameter + kBlock), rate = load(parameter + 2 * kBlock);
+        double* field = pass.plastic + block * 6 * kBlock + lane;
+        Matrix plastic = load_symmetric(field);
+        const Lanes mean = third * (G.m[0][0] + G.m[1][1] + G.m[2][2]);
+        Lanes e[6], square = zero;
+        for (int c = 0; c < 6; ++c) {
+            const int i = kVoigtRow[c], j = kVoigtColumn[c];
+            e[c] = half * (G.m[i][j] + G.m[j][i]) - plastic.m[i][j];
+            if (i == j) e[c] = e[c] - mean;
+            square = square + (i == j ? one : Lanes(2.0)) * e[c] * e[c];
+        }
+        const Lanes norm = root(square), factor = rate * larger(norm - yield, zero) / larger(norm, tiny);
+        square = zero;
+        for (int c = 0; c < 6; ++c) {
+            e[c] = plastic.m[kVoigtRow[c]][kVoigtColumn[c]] + factor * e[c];
+            square = square + (c < 3 ? one : Lanes(2.0)) * e[c] * e[c];
+        }
+        const Lanes size = root(square), shrink = choose(size > cap, cap / larger(size, tiny), one);
+        for (int c = 0; c < 6; ++c) store(field + std::size_t(c) * kBlock, shrink * e[c]);
     }
 }
 
@@ -129,9 +237,31 @@ inline void product(const Tet4Product& pass, std::size_t begin, std::size_t end)
                 S.m[i][j] = mu * (G.m[i][j] + G.m[j][i]);
                 if (i == j) S.m[i][j] = S.m[i][j] + pressure;
             }
+        if (pass.twist != nullptr) {  // + [T w]x, [w]x = skew(G)
+            const Lanes half(0.5);
+            const Vector w{half * (G.m[2][1] - G.m[1][2]), half * (G.m[0][2] - G.m[2][0]), half * (G.m[1][0] - G.m[0][1])};
+            const Vector t = load_symmetric(pass.twist + block * 6 * kBlock + lane) * w;
+            S.m[2][1] = S.m[2][1] + t.x;
+            S.m[1][2] = S.m[1][2] - t.x;
+            S.m[0][2] = S.m[0][2] + t.y;
+            S.m[2][0] = S.m[2][0] - t.y;
+            S.m[1][0] = S.m[1][0] + t.z;
+            S.m[0][1] = S.m[0][1] - t.z;
+        }
         Vector f[4];
         corner_forces(R * S, g, Lanes(0.0) - V, f);
         store_corners(pass.corner_force + at * 16, f, Lanes(0.0), Lanes(0.0));
+    }
+}
+
+/// Columns of [a]x^T X [b]x:  (X (b x e_j)) x a.
+template <class Real, class R4>
+inline void add_twist(const Real* X, R4 a, R4 b, R4& c0, R4& c1, R4& c2) {
+    const R4 x0 = {X[0], X[3], X[5], 0}, x1 = {X[3], X[1], X[4], 0}, x2 = {X[5], X[4], X[2], 0};
+    const R4 y[3] = {x1 * splat<2>(b) - x2 * splat<1>(b), x2 * splat<0>(b) - x0 * splat<2>(b), x0 * splat<1>(b) - x1 * splat<0>(b)};
+    R4* column[3] = {&c0, &c1, &c2};
+    for (int j = 0; j < 3; ++j) {
+        *column[j] += R4{y[j][1] * a[2] - y[j][2] * a[1], y[j][2] * a[0] - y[j][0] * a[2], y[j][0] * a[1] - y[j][1] * a[0], 0};
     }
 }
 
@@ -156,6 +286,7 @@ inline void assemble(const Tet4Assembly<Real>& pass, std::size_t begin, std::siz
                 c0 += la * splat<0>(b) + mb * splat<0>(a);
                 c1 += la * splat<1>(b) + mb * splat<1>(a);
                 c2 += la * splat<2>(b) + mb * splat<2>(a);
+                if (pass.twist != nullptr) add_twist(pass.twist + std::size_t(*entry >> 4) * kTwistRecord, a, b, c0, c1, c2);
             }
             c0 *= xyz * scale;
             c1 *= xyz * scale;
@@ -177,7 +308,11 @@ inline void assemble(const Tet4Assembly<Real>& pass, std::size_t begin, std::siz
     }
 }
 
-inline constexpr Tet4Kernels kKernels{{elements<Frame::rest>, elements<Frame::large>, elements<Frame::polar>, elements<Frame::svd>}, product, assemble<float>, assemble<double>};
+inline constexpr Tet4Kernels kKernels{{elements<Frame::rest>, elements<Frame::large>, elements<Frame::polar>, elements<Frame::svd>},
+                                      {flow<Frame::rest>, flow<Frame::large>, flow<Frame::polar>, flow<Frame::svd>},
+                                      product,
+                                      assemble<float>,
+                                      assemble<double>};
 
 }  // namespace
 }  // namespace SUPPLE_ISA

@@ -31,14 +31,21 @@ void require_linear_keys(const JsonNode& node) {
     for (const char* key : {"fibre", "sheet", "fibre_stiffness_pa", "fibre_exponent", "sheet_stiffness_pa", "sheet_exponent", "matrix_regularization"}) {
         if (node.has(key)) node.at(key).unsupported(std::string(key) + " belongs to the hyperelastic laws, whose stress knows the full strain; choose one of them, e.g. \"law\": \"NeoHookean\"");
     }
-    require_keys(node, {"law", "rotation", "young_pa", "poisson"},
-                 {"integration", "plastic_yield", "plastic_max", "plastic_creep_1_s", "mu_pa", "lambda_pa", "bulk_pa", "c1_pa", "c2_pa", "c2", "terms", "a_pa", "b"},
-                 "is not available for this law in this build; linear and corotational materials have law, rotation, young_pa and poisson");
+    require_keys(node, {"law", "rotation", "young_pa", "poisson", "plastic_yield", "plastic_max", "plastic_creep_1_s"},
+                 {"integration", "mu_pa", "lambda_pa", "bulk_pa", "c1_pa", "c2_pa", "c2", "terms", "a_pa", "b"},
+                 "is not available for this law in this build; linear and corotational materials have law, rotation, young_pa, poisson and the plastic keys");
 }
 
 Rotation read_rotation(const JsonNode& node) {
     const std::string word = node.choice({"polar", "large", "svd"});
     return word == "large" ? Rotation::large : word == "svd" ? Rotation::svd : Rotation::polar;
+}
+
+void read_plasticity(const JsonNode& node, Plasticity& plasticity) {
+    for (const auto& [key, value] : {std::pair{"plastic_yield", &plasticity.yield}, std::pair{"plastic_max", &plasticity.max},
+                                     std::pair{"plastic_creep_1_s", &plasticity.creep_1_s}}) {
+        if (node.has(key)) *value = node.at(key).number(0, 1e15);
+    }
 }
 
 std::string read_law(const JsonNode& node, const char* default_law) {
@@ -61,12 +68,13 @@ void read_material(const JsonNode& node, BodyDef& def) {
     Linear elastic;
     if (node.has("young_pa")) read_constant_or_array(node.at("young_pa"), *def.shape, read_young, elastic.young_pa, def.young_pa_per_element);
     if (node.has("poisson")) read_constant_or_array(node.at("poisson"), *def.shape, read_poisson, elastic.poisson, def.poisson_per_element);
+    read_plasticity(node, elastic.plasticity);
     def.material = elastic;
     if (name == "linear") {
         if (node.has("rotation")) node.at("rotation").fail("the linear law has no rotation: it is for small displacements; use \"corotational\"");
         return;
     }
-    def.material = Corotational{node.has("rotation") ? read_rotation(node.at("rotation")) : Rotation::polar, elastic.young_pa, elastic.poisson};
+    def.material = Corotational{node.has("rotation") ? read_rotation(node.at("rotation")) : Rotation::polar, elastic.young_pa, elastic.poisson, elastic.plasticity};
 }
 
 bool has_arrays(const BodyDef& def) {
@@ -92,6 +100,7 @@ Material read_region_material(const JsonNode& node, const BodyDef& def) {
     const auto set = [&](auto& m) {
         if (node.has("young_pa")) m.young_pa = read_young(node.at("young_pa"));
         if (node.has("poisson")) m.poisson = read_poisson(node.at("poisson"));
+        read_plasticity(node, m.plasticity);
     };
     if (auto* linear = std::get_if<Linear>(&material)) set(*linear);
     if (auto* corotational = std::get_if<Corotational>(&material)) {

@@ -8,10 +8,13 @@ SolverDef read_solver(const JsonNode& node) {
                   "precision", "linearise_at", "rayleigh_mass_1_s", "rayleigh_stiffness_s", "tangent", "operator"},
                  {"step_budget_us"}, "is not available in this build; leave it out: a step takes the time it needs");
     SolverDef solver;
-    if (node.has("integrator")) node.at("integrator").choice({"implicit_euler"}, {"bdf2", "newmark", "static"});
-    if (node.has("tangent")) node.at("tangent").choice({"warped"}, {"exact"});
+    if (node.has("integrator")) {
+        const std::string kind = node.at("integrator").choice({"implicit_euler", "bdf2", "newmark", "static"});
+        solver.integrator = kind == "bdf2" ? Integrator::bdf2 : kind == "newmark" ? Integrator::newmark : kind == "static" ? Integrator::quasi_static : Integrator::implicit_euler;
+    }
+    if (node.has("tangent")) solver.tangent = node.at("tangent").choice({"warped", "exact"}) == "exact" ? Tangent::exact : Tangent::warped;
     if (node.has("operator")) node.at("operator").choice({"auto", "assembled"}, {"matrix_free"});
-    if (node.has("newton_iterations")) solver.newton_iterations = int(node.at("newton_iterations").integer(1, 100));
+    if (node.has("newton_iterations")) solver.newton_iterations = int(node.at("newton_iterations").integer(1, 1000));
     if (node.has("newton_tolerance")) {
         const JsonNode tolerance = node.at("newton_tolerance");
         solver.newton_tolerance = tolerance.number();
@@ -21,8 +24,8 @@ SolverDef read_solver(const JsonNode& node) {
     if (node.has("cg_max_iterations")) solver.cg_max_iterations = int(node.at("cg_max_iterations").integer(1, 1000000));
     if (node.has("preconditioner")) {
         const std::string kind =
-            node.at("preconditioner").choice({"auto", "block_jacobi"}, {"auto_timed", "scalar_laplacian", "lattice_multigrid", "direct"});
-        solver.preconditioner = kind == "auto" ? PreconditionerKind::automatic : PreconditionerKind::block_jacobi;
+            node.at("preconditioner").choice({"auto", "block_jacobi", "direct"}, {"auto_timed", "scalar_laplacian", "lattice_multigrid"});
+        solver.preconditioner = kind == "auto" ? PreconditionerKind::automatic : kind == "direct" ? PreconditionerKind::direct : PreconditionerKind::block_jacobi;
     }
     if (node.has("precision")) {
         solver.precision = node.at("precision").choice({"single", "double"}) == "single" ? Precision::single : Precision::double_;

@@ -28,8 +28,23 @@ Lame from_bulk(double mu, double bulk, const std::string& where) {
     return {bulk - 2 * mu / 3, mu};
 }
 
-Lame small(const Corotational& m, const std::string& where) { return lame_parameters(m.young_pa, m.poisson, where); }
-Lame small(const Linear& m, const std::string& where) { return lame_parameters(m.young_pa, m.poisson, where); }
+void check(const Plasticity& p, const std::string& where) {
+    const auto not_negative = [&](double value, const char* name, const char* fix) {
+        if (!(value >= 0)) throw Error(ErrorCode::invalid_argument, where + "." + name, to_text(value) + " must not be negative; " + fix);
+    };
+    not_negative(p.yield, "plastic_yield", "it is a strain: 0.01 to 0.2 is usual");
+    not_negative(p.max, "plastic_max", "it is a strain; leave it out for no limit");
+    not_negative(p.creep_1_s, "plastic_creep_1_s", "it is a rate; leave it out for flow at once");
+}
+
+Lame small(const Corotational& m, const std::string& where) {
+    check(m.plasticity, where);
+    return lame_parameters(m.young_pa, m.poisson, where);
+}
+Lame small(const Linear& m, const std::string& where) {
+    check(m.plasticity, where);
+    return lame_parameters(m.young_pa, m.poisson, where);
+}
 Lame small(const StVenantKirchhoff& m, const std::string& where) { return check_lame(m.mu_pa, m.lambda_pa, where); }
 Lame small(const NeoHookean& m, const std::string& where) { return check_lame(m.mu_pa, m.lambda_pa, where); }
 Lame small(const StableNeoHookean& m, const std::string& where) { return check_lame(m.mu_pa, m.lambda_pa, where); }
@@ -135,6 +150,12 @@ void check_material(const Material& material, std::size_t elements, const std::s
 }
 
 bool is_hyperelastic(const Material& material) { return !std::holds_alternative<Corotational>(material) && !std::holds_alternative<Linear>(material); }
+
+Plasticity plasticity_of(const Material& material) {
+    if (const auto* corotational = std::get_if<Corotational>(&material)) return corotational->plasticity;
+    if (const auto* linear = std::get_if<Linear>(&material)) return linear->plasticity;
+    return {};
+}
 
 Lame small_strain(const Material& material, const std::string& where) {
     return std::visit([&](const auto& law) { return small(law, where); }, material);

@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <limits>
 #include <span>
 #include <string>
 #include <variant>
@@ -16,11 +17,23 @@ enum class Rotation {
     svd,    ///< the same rotation, found afresh each time from the singular values of F: forgets every history, however tangled
 };
 
+/// Plastic flow of the strain in an element's frame: deviatoric, rate dependent, independent of time step and element size. Where the norm of
+/// the elastic deviator e' exceeds the yield strain, e_p += (1 - exp(-creep h)) (|e'| - yield) e'/|e'| at the end of a step of h, then |e_p| <= max.
+/// The yield stress in uniaxial tension is 2 mu yield sqrt(3/2). An infinite creep is the radial return of J2 plasticity.
+/// Source: O'Brien, Bargteil, Hodgins 2002; Mueller, Gross 2004; with an exact rate.
+struct Plasticity {
+    double yield = std::numeric_limits<double>::infinity();      ///< scene key plastic_yield: strain, >= 0; infinite: elastic
+    double max = std::numeric_limits<double>::infinity();        ///< plastic_max: most plastic strain, >= 0
+    double creep_1_s = std::numeric_limits<double>::infinity();  ///< plastic_creep_1_s: rate, >= 0
+    bool flows() const { return yield < std::numeric_limits<double>::infinity(); }
+};
+
 /// Small displacements:  W = mu e:e + lambda/2 tr(e)^2,  e = sym(F) - I. Rotations beyond a few degrees swell the body.
 /// Small strain: shear modulus mu, bulk modulus lambda + 2 mu/3.
 struct Linear {
     double young_pa = 1e5;  ///< Young's modulus, > 0
     double poisson = 0.3;   ///< Poisson's ratio, in (-1, 0.5); plain tets lock above 0.48
+    Plasticity plasticity{};
 };
 
 /// Corotational linear elasticity: the same with e = sym(R^T F) - I, R the rotation of the element. For `polar` and `svd` that is
@@ -29,6 +42,14 @@ struct Corotational {
     Rotation rotation = Rotation::polar;
     double young_pa = 1e5;  ///< Young's modulus, > 0
     double poisson = 0.3;   ///< Poisson's ratio, in (-1, 0.5); plain tets lock above 0.48
+    Plasticity plasticity{};
+};
+
+/// Derivative of a corotational tetrahedron's force (rotation polar or svd).
+enum class Tangent {
+    automatic,  ///< in a World exact for the static integrator, warped for the others; in force_differential() warped
+    warped,     ///< R K R^T, the rotation held: always positive definite, cheapest; one iteration of it is as good at small strain
+    exact,      ///< with the derivative of the rotation, its three twist modes kept from going negative: Newton converges at its own rate
 };
 
 // -- hyperelastic laws; energies, sources and inversion: material/laws/<law>.h ---------------------------
@@ -131,6 +152,8 @@ bool is_hyperelastic(const Material& material);
 const Fibres* fibres_of(const Material& material);
 /// matrix_regularization of a hyperelastic law; true for the others.
 bool is_regularized(const Material& material);
+/// Plasticity of a linear or corotational material; that of the others is elastic.
+Plasticity plasticity_of(const Material& material);
 
 struct Lame {
     double lambda_pa = 0;

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <memory>
 #include <span>
 
 #include "supple/base/parallel.h"
@@ -42,6 +43,20 @@ private:
     std::size_t rows_;
     AlignedVector<Real> inverse_;   ///< [row][column][x y z 0]
     std::vector<double> partial_;
+};
+
+/// Sparse Cholesky factor of the matrix itself, made anew in every update: one or two iterations, at the price of a factor. One thread.
+template <class Real>
+class Cholesky final : public Preconditioner<Real> {
+public:
+    explicit Cholesky(const Bsr3Pattern& pattern);
+    ~Cholesky() override;
+    void update(Team& team, const Bsr3<Real>& A, std::span<const AppendedRow> appended) override;
+    double apply(Team& team, const Real* r, Real* z) override;
+
+private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace supple::solve

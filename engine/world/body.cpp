@@ -11,10 +11,20 @@
 
 namespace supple {
 
+namespace {
+
 template <class Real>
-System<Real>::System(const TemplateData& data, Isa isa)
+std::unique_ptr<solve::Preconditioner<Real>> make_preconditioner(const TemplateData& data, Isa isa, PreconditionerKind kind) {
+    if (kind == PreconditionerKind::direct) return std::make_unique<solve::Cholesky<Real>>(data.pattern);
+    return std::make_unique<solve::BlockJacobi<Real>>(data.pattern.rows, isa);
+}
+
+}  // namespace
+
+template <class Real>
+System<Real>::System(const TemplateData& data, Isa isa, PreconditionerKind kind)
     : A{&data.pattern, AlignedVector<Real>(data.pattern.blocks() * 12)},
-      preconditioner(std::make_unique<solve::BlockJacobi<Real>>(data.pattern.rows, isa)),
+      preconditioner(make_preconditioner<Real>(data, isa, kind)),
       solver(data.pattern.rows, isa) {}
 
 template struct System<float>;
@@ -29,7 +39,9 @@ namespace {
 void size_workspace(Workspace& w, const TemplateData& data) {
     const std::size_t n = data.rest.vertices;
     w.corner.resize(data.rest.blocks() * fem::kBlock * 16);
-    for (auto* field : {&w.y, &w.v0, &w.f_ext, &w.b, &w.rhs, &w.free_rhs, &w.dv, &w.residual, &w.product}) field->assign(n, Vec3::Zero());
+    for (auto* field : {&w.base_x, &w.base_v, &w.y, &w.v0, &w.v_start, &w.f_ext, &w.b, &w.rhs, &w.free_rhs, &w.dv, &w.residual, &w.product}) {
+        field->assign(n, Vec3::Zero());
+    }
     w.diagonal.resize(n);
     w.partial.resize(solve::row_chunks(n));
 }
@@ -45,6 +57,7 @@ void apply_materials(Body& body, const BodyDef& def, const WorldDef& world, Isa 
     elements_def.lists = {data.pattern.row_start, data.pattern.column, data.pattern.mirror, data.gather.start, data.gather.pair};
     elements_def.precision = world.solver.precision == Precision::single ? fem::MatrixPrecision::single : fem::MatrixPrecision::double_;
     elements_def.isa = isa;
+    elements_def.exact_rotation = world.solver.tangent == Tangent::exact;
     auto elements = fem::make_elements(elements_def, materials.elements);
     auto mass = fem::lumped_mass(data.rest, materials.density_kg_m3);
     auto trace = fem::stiffness_trace(data.rest, fem::make_moduli(data.rest, fem::element_lame(materials.elements, data.rest.elements)));
@@ -55,6 +68,11 @@ void apply_materials(Body& body, const BodyDef& def, const WorldDef& world, Isa 
     body.mass = std::move(mass);
     body.stiffness_trace = std::move(trace);
     body.young_pa = std::move(young);
+    // Plastic strain stays while the body can flow, and is forgotten where it cannot.
+    const std::size_t plastic = body.elements->is_plastic() ? data.rest.blocks() * 6 * fem::kBlock : 0;
+    for (BodyState* state : {&body.state, &body.start}) {
+        if (state->plastic.size() != plastic) state->plastic.assign(plastic, 0.0);
+    }
     body.stress.valid = false;
 }
 
@@ -82,14 +100,17 @@ std::unique_ptr<Body> make_body(const BodyDef& def, const WorldDef& world, std::
     for (auto* field : {&s.dv1, &s.dv2, &s.reaction}) field->assign(n, Vec3::Zero());
     s.quaternion.assign(data.rest.blocks() * 4 * fem::kBlock, 0.0);
     for (std::size_t b = 0; b < data.rest.blocks(); ++b) std::fill_n(s.quaternion.begin() + std::ptrdiff_t(b * 4 * fem::kBlock), fem::kBlock, 1.0);
+    if (world.solver.integrator == Integrator::bdf2) s.v_previous.assign(n, Vec3::Zero());
+    if (world.solver.integrator == Integrator::newmark) s.a.assign(n, Vec3::Zero());
+    s.moving.assign(1, 0);
     s.frozen.assign(1, 0);
     body->start = s;
 
     size_workspace(body->work, data);
     if (world.solver.precision == Precision::single) {
-        body->system.emplace<System<float>>(data, isa);
+        body->system.emplace<System<float>>(data, isa, world.solver.preconditioner);
     } else {
-        body->system.emplace<System<double>>(data, isa);
+        body->system.emplace<System<double>>(data, isa, world.solver.preconditioner);
     }
     return body;
 }
@@ -110,6 +131,7 @@ void update_stress(const Body& body, Team& team) {
     fem::ElementOutputs outputs;
     outputs.stress = s.block_stress.data();
     outputs.energy = s.block_energy.data();
+    outputs.plastic = plastic_strain(body);
     body.elements->evaluate(team, body.state.x.data()->data(), s.quaternion.data(), outputs);
     team.for_range(elements, 512, [&](std::size_t begin, std::size_t end) {
         for (std::size_t e = begin; e < end; ++e) {

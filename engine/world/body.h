@@ -19,8 +19,12 @@ struct BodyState {
     std::vector<Vec3> x, v;           ///< positions [m], velocities [m/s]
     std::vector<Vec3> x_previous;     ///< positions before the last step
     std::vector<Vec3> dv1, dv2;       ///< velocity change of the last step and the one before: warm starts
+    std::vector<Vec3> v_previous;     ///< velocities before the last step; bdf2 only [m/s]
+    std::vector<Vec3> a;              ///< accelerations; newmark only [m/s^2]
+    std::vector<std::uint8_t> moving; ///< one entry: 1 once v_previous or a stand for a step that was made
     std::vector<Vec3> reaction;       ///< of supports, last step [N]
     AlignedVector<double> quaternion; ///< [block][w x y z][lane] element rotations: warm start
+    AlignedVector<double> plastic;    ///< [block][xx yy zz xy yz zx][lane] plastic strain, of elements that flow
     std::vector<std::uint8_t> frozen; ///< one entry: 1 after containment
 
     template <class Self, class F>
@@ -30,8 +34,12 @@ struct BodyState {
         f("previous positions", s.x_previous);
         f("warm start", s.dv1);
         f("older warm start", s.dv2);
+        f("older velocities", s.v_previous);
+        f("accelerations", s.a);
+        f("history flag", s.moving);
         f("reactions", s.reaction);
         f("element rotations", s.quaternion);
+        f("plastic strains", s.plastic);
         f("frozen flag", s.frozen);
     }
 };
@@ -47,7 +55,7 @@ struct PreparedLoad {
 template <class Real>
 struct System {
     using Scalar = Real;
-    System(const TemplateData& data, Isa isa);
+    System(const TemplateData& data, Isa isa, PreconditionerKind kind);
 
     solve::Bsr3<Real> A;
     std::unique_ptr<solve::Preconditioner<Real>> preconditioner;
@@ -57,8 +65,13 @@ struct System {
 /// What the stages of a step write into; sized once, never part of the state.
 struct Workspace {
     AlignedVector<double> corner;     ///< [element][corner][x y z 0]
+    double h = 0;                     ///< the scheme's x = base_x + h v, M (v - base_v)/h = forces (world/time_scheme.cpp)
+    std::vector<Vec3> base_x, base_v;
     std::vector<Vec3> y;              ///< where forces are evaluated
     std::vector<Vec3> v0;             ///< velocity that the linear solve corrects
+    std::vector<Vec3> v_start;        ///< v0 at the start of a line search
+    std::vector<Vec3> v_good, target_v, unbalance;  ///< static: v0 of the last equilibrium, of the supports at their target; the forces not yet let in
+    double withheld = 0;              ///< static: part of `unbalance` that is held back
     std::vector<Vec3> f_ext;          ///< gravity and loads
     std::vector<Vec3> b, rhs, free_rhs;  ///< right-hand side; with drag springs; with held coordinates zeroed
     std::vector<Vec3> dv, residual, product;
@@ -127,6 +140,9 @@ struct Drag {
         return sum;
     }
 };
+
+/// Plastic strains as the elements want them: null where none flows.
+inline const double* plastic_strain(const Body& body) { return body.state.plastic.empty() ? nullptr : body.state.plastic.data(); }
 
 /// @error Error(invalid_argument) naming the field of BodyDef
 std::unique_ptr<Body> make_body(const BodyDef& def, const WorldDef& world, std::size_t index, Isa isa);

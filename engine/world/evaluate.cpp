@@ -13,12 +13,14 @@ namespace {
 
 /// One configuration of a shape: elements, rotations, scratch. The scalar kernels: an evaluation is a reference, not a race.
 struct Configuration {
-    Configuration(const BodyTemplate& shape, const Material& material, std::span<const Vec3> positions) : data(shape.data()) {
+    Configuration(const BodyTemplate& shape, const Material& material, std::span<const Vec3> positions, Tangent tangent = Tangent::automatic)
+        : data(shape.data()) {
         check(positions, "positions_m");
         fem::ElementsDef def;
         def.rest = &data.rest;
         def.corners = &data.corners;
         def.project = false;
+        def.exact_rotation = tangent == Tangent::exact;
         check_material(material, data.rest.elements);
         fem::ElementMaterials materials;
         materials.list = {material};
@@ -72,8 +74,12 @@ Evaluation evaluate(const BodyTemplate& shape, const Material& material, std::sp
 }
 
 std::vector<Vec3> force_differential(const BodyTemplate& shape, const Material& material, std::span<const Vec3> positions_m,
-                                     std::span<const Vec3> direction_m) {
-    Configuration c(shape, material, positions_m);
+                                     std::span<const Vec3> direction_m, Tangent tangent) {
+    const auto* corotational = std::get_if<Corotational>(&material);
+    if (tangent == Tangent::exact && corotational != nullptr && corotational->rotation == Rotation::large) {
+        throw Error(ErrorCode::invalid_argument, "tangent", "exact goes with rotation polar or svd; the frame of edges (large) is not a function of F alone: take warped");
+    }
+    Configuration c(shape, material, positions_m, tangent);
     c.check(direction_m, "direction_m");
     fem::ElementOutputs outputs;
     outputs.tangent = true;

@@ -19,9 +19,12 @@ struct Evaluation {
 /// @error Error(invalid_argument) on a wrong count or a non-finite position
 Evaluation evaluate(const BodyTemplate& shape, const Material& material, std::span<const Vec3> positions_m);
 
-/// df = (df/dx) d [N]. Linear and corotational: with the rotations held (warped tangent, R K R^T). Hyperelastic: the consistent tangent, not projected.
+/// df = (df/dx) d [N]. Corotational: with the rotations held (warped tangent, R K R^T), or with their derivative for Tangent::exact, not projected.
+/// Hyperelastic: the consistent tangent, not projected.
+/// @error Error(invalid_argument) also for an exact tangent of rotation `large`
 std::vector<Vec3> force_differential(const BodyTemplate& shape, const Material& material,
-                                     std::span<const Vec3> positions_m, std::span<const Vec3> direction_m);
+                                     std::span<const Vec3> positions_m, std::span<const Vec3> direction_m,
+                                     Tangent tangent = Tangent::automatic);
 
 /// von Mises stress sqrt(3/2 s:s) of a Cauchy tensor [Pa].
 double von_mises(const Voigt& cauchy);

@@ -15,6 +15,9 @@ Vec3 drag_force(const Drag& drag, const Vec3& x, const Vec3& v) {
     return drag.stiffness * (drag.target - (x + drag.offset)) - drag.damping * v;
 }
 
+/// A spring at rest has nothing to damp.
+double damping(const StepContext& ctx, const Drag& drag) { return is_static(ctx) ? 0 : drag.damping; }
+
 bool over_cap(const Drag& drag, const Vec3& force) { return drag.max_force > 0 && force.norm() > drag.max_force; }
 
 template <class Visit>
@@ -24,35 +27,35 @@ void for_drags_of(World::Impl& world, BodyId id, Visit&& visit) {
     }
 }
 
-/// Force of a spring at the end of a step with the velocity v0 that Newton has reached: at x + h v0, wherever the elements are linearised.
+/// Force of a spring at the end of a step with the velocity v0 that Newton has reached: at the end of the step, wherever the elements are linearised.
 void predict(StepContext& ctx, const Body& body, Drag& drag) {
     if (drag.capped) return;
     const Vec3 v = drag.mean(body.work.v0);
-    drag.predicted = drag_force(drag, drag.mean(body.state.x) + ctx.world.def.time_step_s * v, v);
+    drag.predicted = drag_force(drag, drag.mean(body.work.base_x) + body.work.h * v, is_static(ctx) ? Vec3(Vec3::Zero()) : v);
     drag.capped = over_cap(drag, drag.predicted);
     if (drag.capped) drag.predicted *= drag.max_force / drag.predicted.norm();
 }
 
 /// rhs = b + h F: each drag spring of this body as an implicit spring, or, at its cap, as a load.
 void apply_drags(StepContext& ctx, BodyId id, Body& body) {
-    const double h = ctx.world.def.time_step_s;
     Workspace& w = body.work;
+    const double h = w.h;
     w.rhs = w.b;
     ctx.world.appended.clear();
     for_drags_of(ctx.world, id, [&](Drag& drag) {
         predict(ctx, body, drag);
         for (std::size_t i = 0; i < drag.vertex.size(); ++i) w.rhs[std::size_t(drag.vertex[i])] += h * drag.weight[i] * drag.predicted;
-        if (!drag.capped) ctx.world.appended.push_back({drag.vertex, drag.masked, h * (h * drag.stiffness + drag.damping) * Mat3::Identity()});
+        if (!drag.capped) ctx.world.appended.push_back({drag.vertex, drag.masked, h * (h * drag.stiffness + damping(ctx, drag)) * Mat3::Identity()});
     });
 }
 
 /// After a solve: a spring that ended above its cap becomes a load. True if one did, so that the solve must be repeated.
 bool cap_drags(StepContext& ctx, BodyId id, Body& body) {
-    const double h = ctx.world.def.time_step_s;
+    const double h = body.work.h;
     bool changed = false;
     for_drags_of(ctx.world, id, [&](Drag& drag) {
         if (drag.capped) return;
-        const Vec3 end = drag.predicted - (h * drag.stiffness + drag.damping) * drag.mean(body.work.dv);
+        const Vec3 end = drag.predicted - (h * drag.stiffness + damping(ctx, drag)) * drag.mean(body.work.dv);
         if (!over_cap(drag, end)) return;
         drag.predicted = end * (drag.max_force / end.norm());
         drag.capped = changed = true;
@@ -62,8 +65,7 @@ bool cap_drags(StepContext& ctx, BodyId id, Body& body) {
 
 /// r = rhs - A dv in float64, matrix-free, zero where held; what is left over there is the supports' reaction.
 void true_residual(StepContext& ctx, Body& body, Vec3* r) {
-    const WorldDef& def = ctx.world.def;
-    const double mass = mass_scale(def), stiffness = stiffness_scale(def), inv_h = 1 / def.time_step_s;
+    const double mass = mass_scale(ctx, body), stiffness = stiffness_scale(ctx, body), inv_h = 1 / body.work.h;
     Workspace& w = body.work;
     stiffness_product(ctx, body, w.dv);
     ctx.team.for_range(body.vertices(), kRowChunk, [&](std::size_t begin, std::size_t end) {
@@ -105,7 +107,7 @@ double free_norm(StepContext& ctx, Body& body, const std::vector<Vec3>& field) {
 /// Stops a body whose forces balance to within `floor` even when it stands still: it would creep on at a speed that no solve is asked to
 /// remove, and drift back above the floor. True if dv and its true residual are set so.
 bool comes_to_rest(StepContext& ctx, Body& body, double rhs_norm, double floor) {
-    if (!(rhs_norm <= 2 * floor)) return false;
+    if (!(rhs_norm <= 2 * floor) || is_static(ctx)) return false;
     Workspace& w = body.work;
     for (std::size_t i = 0; i < body.vertices(); ++i) w.dv[i] = -free_part(body, i, w.v0[i]);
     true_residual(ctx, body, w.residual.data());
@@ -123,8 +125,17 @@ void report_solve(StepContext& ctx, const solve::LinearSolveResult& result, doub
 }  // namespace
 
 double resting_residual(StepContext& ctx, Body& body) {
-    const WorldDef& def = ctx.world.def;
-    return std::min(1e-7, def.solver.cg_relative_tolerance) * def.time_step_s * free_norm(ctx, body, body.work.f_ext);
+    return std::min(1e-7, ctx.world.def.solver.cg_relative_tolerance) * body.work.h * free_norm(ctx, body, body.work.f_ext);
+}
+
+double static_scale(StepContext& ctx, Body& body) {
+    Workspace& w = body.work;
+    const double held = std::sqrt(solve::sum_over_rows(ctx.team, body.vertices(), w.partial, [&](std::size_t begin, std::size_t end) {
+        double sum = 0;
+        for (std::size_t i = begin; i < end; ++i) sum += (w.b[i] - free_part(body, i, w.b[i])).squaredNorm();
+        return sum;
+    }));
+    return std::max(held, w.h * free_norm(ctx, body, w.f_ext));
 }
 
 double residual_with_drags(StepContext& ctx, BodyId id, Body& body) {
@@ -140,7 +151,7 @@ void drop_drags(World::Impl& world, BodyId id) {
     for_drags_of(world, id, [](Drag& drag) { drag.force = Vec3::Zero(); });
 }
 
-bool solve_system(StepContext& ctx, BodyId id, Body& body, double floor, bool first) {
+bool solve_system(StepContext& ctx, BodyId id, Body& body, double floor, double tolerance, bool warm_start) {
     const SolverDef& def = ctx.world.def.solver;
     Workspace& w = body.work;
     do {
@@ -151,7 +162,7 @@ bool solve_system(StepContext& ctx, BodyId id, Body& body, double floor, bool fi
         });
         solve::LinearSolveDef solve_def;
         // Once above the floor, well below it: or the next step would be above it again.
-        solve_def.target = std::max(def.cg_relative_tolerance * rhs_norm, rhs_norm > floor ? 0.3 * floor : floor);
+        solve_def.target = std::max(tolerance * rhs_norm, rhs_norm > floor ? 0.3 * floor : floor);
         solve_def.max_iterations = def.cg_max_iterations;
         const std::span<const Vec3> guesses[2] = {body.state.dv1, body.state.dv2};
         solve::LinearSolveResult result;
@@ -162,15 +173,14 @@ bool solve_system(StepContext& ctx, BodyId id, Body& body, double floor, bool fi
             with_system(body, [&](auto& system) {
                 system.preconditioner->update(ctx.team, system.A, ctx.world.appended);
                 result = system.solver.solve(
-                    ctx.team, system.A, ctx.world.appended, *system.preconditioner, w.free_rhs, std::span(guesses, first ? 2 : 0), solve_def,
+                    ctx.team, system.A, ctx.world.appended, *system.preconditioner, w.free_rhs, std::span(guesses, warm_start ? 2 : 0), solve_def,
                     [&](const Vec3*, Vec3* r) { true_residual(ctx, body, r); }, w.dv, w.residual);
             });
         }
         ctx.report.cg_iterations += result.iterations;
         if (!std::isfinite(result.residual)) return false;
-        report_solve(ctx, result, std::max(rhs_norm, floor / def.cg_relative_tolerance));
+        report_solve(ctx, result, std::max(rhs_norm, floor / tolerance));
     } while (cap_drags(ctx, id, body));
-    for (std::size_t i = 0; i < body.vertices(); ++i) w.v0[i] += w.dv[i];
     return true;
 }
 

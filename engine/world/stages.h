@@ -1,27 +1,43 @@
 #pragma once
+#include "supple/base/clock.h"
 #include "supple/fem/element_passes.h"
 #include "supple/world/impl.h"
 
 namespace supple {
 
-/// The stages of a step, on one body. Implicit Euler for the velocity: with v0 the velocity that Newton has reached (at first: v, held
-/// coordinates at their target) and y = x + h v0,
-///     [(1 + h alpha) M + (h^2 + h beta) K(y)] dv = h (f(y) + f_ext - C v0) - M (v0 - v),      C = alpha M + beta K(y),
-/// then v = v0 + dv, x = x + h v. Held coordinates have dv = 0; what the equation lacks there is the support's reaction times h.
-/// LineariseAt::current evaluates at x instead: f(x) - h K(x) v0 takes the place of f(y) in the first iteration.
+/// The stages of a step, on one body. With the scheme x = base_x + h v of time_scheme.cpp and v0 the velocity that Newton has reached (at first that of
+/// the last step, held coordinates at their target), y = base_x + h v0:
+///     [(1 + h alpha) M + (h^2 + h beta) K(y)] dv = h (f(y) + f_ext - C v0) - M (v0 - base_v),      C = alpha M + beta K(y),
+/// then v0 += dv. Held coordinates have dv = 0; what the equation lacks there is the support's reaction times h.
+/// LineariseAt::current evaluates at x instead: f(x) - K(x)(y - x) takes the place of f(y) in the first iteration. Static: without M and C.
 
-/// Loads at the end of the step, and v0.
-void prepare_step(StepContext& ctx, Body& body);
+/// Times the stages: what has passed since the last lap goes to `stage`.
+struct Watch {
+    Stopwatch stopwatch;
+    void lap(StepContext& ctx, Stage stage) { ctx.report.stage_ms[std::size_t(stage)] += stopwatch.lap_ms(); }
+};
+
+/// f_ext: gravity and loads of a moment.
+void gather_loads(StepContext& ctx, Body& body, double time_s);
+/// The integrator's bases for this step, and v0.
+void begin_scheme(StepContext& ctx, Body& body);
+/// Velocities and positions at the end of the step, history.
+void end_scheme(StepContext& ctx, Body& body);
+/// Newton's iteration from v0 to the step's solution, or to where its limits end it (reported). False if the body has blown up.
+bool solve_step(StepContext& ctx, Watch& watch, BodyId id, Body& body, double floor);
+
 /// Element rotations, forces, records; then the right-hand side b. Returns |b| over free coordinates; not finite if the body has blown up.
 double evaluate_elements(StepContext& ctx, Body& body, bool at_current);
 void assemble(StepContext& ctx, Body& body);
 /// Norm of the right-hand side below which a body rests: a ten-millionth of its loads needs no solving, less where the tolerance asks for less.
 double resting_residual(StepContext& ctx, Body& body);
-/// Norm over free coordinates of the right-hand side with the forces of the drag springs.
+/// Right-hand side rhs with the forces of the drag springs; its norm over free coordinates.
 double residual_with_drags(StepContext& ctx, BodyId id, Body& body);
-/// Drag springs and dv; v0 += dv. False if the solution is not finite.
-bool solve_system(StepContext& ctx, BodyId id, Body& body, double floor, bool first);
-/// Velocities and positions, history. False (and nothing changed) if they are not finite.
+/// What a static residual is compared with: the loads, or the reactions where they are larger (times h).
+double static_scale(StepContext& ctx, Body& body);
+/// Drag springs and dv, to `tolerance` of the right-hand side. False if the solution is not finite.
+bool solve_system(StepContext& ctx, BodyId id, Body& body, double floor, double tolerance, bool warm_start);
+/// The new state, if it is finite; if not, false and nothing has changed.
 bool integrate(StepContext& ctx, BodyId id, Body& body);
 /// The body stays where the step found it, takes no further part, and is reported.
 void contain(StepContext& ctx, BodyId id, Body& body);
@@ -42,8 +58,16 @@ inline Vec3 free_part(const Body& body, std::size_t vertex, const Vec3& v) {
     return {owner[0] == kFree ? v[0] : 0.0, owner[1] == kFree ? v[1] : 0.0, owner[2] == kFree ? v[2] : 0.0};
 }
 
-inline double stiffness_scale(const WorldDef& def) { return def.time_step_s * (def.time_step_s + def.solver.rayleigh_stiffness_s); }
-inline double mass_scale(const WorldDef& def) { return 1 + def.time_step_s * def.solver.rayleigh_mass_1_s; }
+inline bool is_static(const StepContext& ctx) { return ctx.world.def.solver.integrator == Integrator::quasi_static; }
+
+/// Factors of K and M in the matrix.
+inline double stiffness_scale(const StepContext& ctx, const Body& body) {
+    const double h = body.work.h;
+    return is_static(ctx) ? h * h : h * (h + ctx.world.def.solver.rayleigh_stiffness_s);
+}
+inline double mass_scale(const StepContext& ctx, const Body& body) {
+    return is_static(ctx) ? 0 : 1 + body.work.h * ctx.world.def.solver.rayleigh_mass_1_s;
+}
 
 /// work.product = K field, with the rotations of the last element pass; float64, matrix-free.
 void stiffness_product(StepContext& ctx, Body& body, const std::vector<Vec3>& field);

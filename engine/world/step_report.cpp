@@ -9,6 +9,7 @@ std::string_view name(StepFlag one_bit) {
         case StepFlag::non_finite: return "non_finite";
         case StepFlag::frozen: return "frozen";
         case StepFlag::newton_cap: return "newton_cap";
+        case StepFlag::no_equilibrium: return "no_equilibrium";
         case StepFlag::none: break;
     }
     return "none";
@@ -25,6 +26,8 @@ std::string_view cure(StepFlag one_bit) {
                    "then reset() or unfreeze() it";
         case StepFlag::frozen: return "a body frozen by an earlier step waits for reset(), restore() or unfreeze()";
         case StepFlag::newton_cap: return "Newton stopped at newton_iterations before newton_tolerance: raise the one or loosen the other";
+        case StepFlag::no_equilibrium:
+            return "no static equilibrium was found: hold every body against all rigid motions, apply the load over several steps, or raise newton_iterations";
         case StepFlag::none: break;
     }
     return "all is well";
@@ -38,6 +41,7 @@ std::string_view name(Stage stage) {
         case Stage::assemble: return "assemble";
         case Stage::solve: return "solve";
         case Stage::integrate: return "integrate";
+        case Stage::plasticity: return "plasticity";
         case Stage::stress: return "stress";
         case Stage::count_: break;
     }

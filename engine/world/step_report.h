@@ -15,18 +15,19 @@ enum class StepFlag : std::uint32_t {
     non_finite = 1u << 2,        ///< a body became non-finite in this step; it was rolled back and frozen
     frozen = 1u << 3,            ///< a body frozen by an earlier step is waiting for World::reset(), restore() or unfreeze()
     newton_cap = 1u << 4,        ///< newton_iterations done before newton_tolerance (only with newton_tolerance > 0)
+    no_equilibrium = 1u << 5,    ///< static: no equilibrium found, even with the load in small steps
 };
 constexpr StepFlag operator|(StepFlag a, StepFlag b) { return StepFlag(std::uint32_t(a) | std::uint32_t(b)); }
 constexpr StepFlag operator&(StepFlag a, StepFlag b) { return StepFlag(std::uint32_t(a) & std::uint32_t(b)); }
 constexpr StepFlag& operator|=(StepFlag& a, StepFlag b) { return a = a | b; }
 inline constexpr StepFlag kAllStepFlags[] = {StepFlag::iteration_cap, StepFlag::residual_stalled, StepFlag::non_finite,
-                                             StepFlag::frozen, StepFlag::newton_cap};
+                                             StepFlag::frozen, StepFlag::newton_cap, StepFlag::no_equilibrium};
 
 std::string_view name(StepFlag one_bit);  ///< "iteration_cap", ...: the words of report files
 std::string_view cure(StepFlag one_bit);  ///< one sentence: what to change
 
 /// The stages of a step, in order.
-enum class Stage { guard, loads, elements, assemble, solve, integrate, stress, count_ };
+enum class Stage { guard, loads, elements, assemble, solve, integrate, plasticity, stress, count_ };
 inline constexpr std::size_t kStageCount = std::size_t(Stage::count_);
 std::string_view name(Stage stage);  ///< "guard", "loads", ...
 

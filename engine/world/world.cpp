@@ -24,7 +24,7 @@ void check(const WorldDef& def) {
     check_count("threads", def.threads, 0, 256, "0 takes all cores");
     check_count("max_catch_up_steps", def.max_catch_up_steps, 1, 1000, "4 is usual");
     const SolverDef& s = def.solver;
-    check_count("solver.newton_iterations", s.newton_iterations, 1, 100, "1 is usual for real time");
+    check_count("solver.newton_iterations", s.newton_iterations, 0, 1000, "0 leaves it to the integrator: 1, static 100");
     if (!(s.newton_tolerance >= 0 && s.newton_tolerance < 1)) {
         throw Error(ErrorCode::invalid_argument, "WorldDef.solver.newton_tolerance", to_text(s.newton_tolerance) + " is outside [0, 1); 0 does every iteration");
     }
@@ -67,6 +67,10 @@ Body& World::Impl::body(BodyId id) const {
 World::World(const WorldDef& def) : impl_(std::make_unique<Impl>()) {
     check(def);
     impl_->def = def;
+    SolverDef& solver = impl_->def.solver;
+    const bool is_static = solver.integrator == Integrator::quasi_static;
+    if (solver.precision == Precision::automatic) solver.precision = is_static ? Precision::double_ : Precision::single;
+    if (solver.tangent == Tangent::automatic) solver.tangent = is_static ? Tangent::exact : Tangent::warped;
     impl_->threads = def.threads == 0 ? hardware_threads() : def.threads;
 }
 
@@ -128,6 +132,7 @@ void World::set_state(BodyId id, std::span<const Vec3> positions_m, std::span<co
     s.v.assign(velocities_m_s.begin(), velocities_m_s.end());
     s.x_previous = s.x;
     for (auto* history : {&s.dv1, &s.dv2}) history->assign(body.vertices(), Vec3::Zero());
+    s.moving[0] = 0;
     fem::seed_rotations(impl_->team_for(body.data().rest.elements), body.data().rest, s.x, s.quaternion);
     body.stress.valid = false;
 }

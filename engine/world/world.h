@@ -17,6 +17,7 @@
 namespace supple {
 
 enum class Precision {
+    automatic,  ///< double_ for the static integrator, single for the others
     single,   ///< float32 matrix and CG vectors, float64 forces, positions, dot products and residual
     double_,  ///< everything float64
 };
@@ -26,15 +27,31 @@ enum class LineariseAt {
     current,     ///< x
 };
 
-enum class PreconditionerKind { automatic, block_jacobi };
+enum class Integrator {
+    implicit_euler,  ///< first order; damps by itself, the more the longer the step: amplitude x (1 + w^2 h^2)^-1/2 a step. Never blows up
+    bdf2,            ///< second order backward differences (the first step is implicit Euler); damps far less
+    newmark,         ///< trapezoidal rule (beta 1/4, gamma 1/2): second order, keeps the energy of small vibrations; no damping but Rayleigh's
+    quasi_static,    ///< scene key "static": no inertia; each step finds the equilibrium under the loads and supports of its end
+};
+
+enum class PreconditionerKind {
+    automatic,
+    block_jacobi,
+    direct,  ///< sparse Cholesky factor of every matrix: robust and slow; memory and time grow fast beyond some thousand vertices
+};
 
 struct SolverDef {
-    int newton_iterations = 1;             ///< 1..100 linear solves per step
-    double newton_tolerance = 0;           ///< stop when the residual has fallen to this part of the step's first, [0, 1); 0 = always all iterations
+    Integrator integrator = Integrator::implicit_euler;
+    Tangent tangent = Tangent::automatic;
+    int newton_iterations = 0;             ///< most linear solves per step (static: per load step), 0..1000; 0 = 1, for the static integrator 100
+    /// Stop Newton when the residual has fallen to this part of the step's first (static: of the loads and reactions), [0, 1).
+    /// 0 = always all iterations; for the static integrator 1e-6. Where it is set, a line search guards each iteration and linear solves are only as exact as
+    /// the iteration deserves (Eisenstat and Walker 1996, choice 2), never finer than cg_relative_tolerance.
+    double newton_tolerance = 0;
     double cg_relative_tolerance = 1e-5;   ///< on the true float64 residual, (0, 1)
     int cg_max_iterations = 2000;          ///< 1..1e6, per linear solve
     PreconditionerKind preconditioner = PreconditionerKind::automatic;
-    Precision precision = Precision::single;
+    Precision precision = Precision::automatic;
     LineariseAt linearise_at = LineariseAt::prediction;
     double rayleigh_mass_1_s = 0;          ///< alpha of C = alpha M + beta K, [0, 1e6]
     double rayleigh_stiffness_s = 0;       ///< beta, [0, 1e3]

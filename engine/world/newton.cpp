@@ -1,0 +1,171 @@
+/// Newton's iteration on the equation of a step, its line search, and the load steps of the static integrator.
+#include <algorithm>
+#include <cmath>
+
+#include "supple/solve/chunked_sum.h"
+#include "supple/world/stages.h"
+
+namespace supple {
+
+namespace {
+
+using solve::kRowChunk;
+
+constexpr double kOverflow = 1e300;       ///< a norm beyond it, or NaN: the body has blown up
+constexpr int kMaxTrials = 12;            ///< of a line search
+constexpr double kSmallestLoadStep = 1.0 / 512;
+
+enum class Outcome { converged, cap, not_finite };
+
+double dot(StepContext& ctx, Body& body, const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
+    return solve::sum_over_rows(ctx.team, body.vertices(), body.work.partial, [&](std::size_t begin, std::size_t end) {
+        double sum = 0;
+        for (std::size_t i = begin; i < end; ++i) sum += a[i].dot(b[i]);
+        return sum;
+    });
+}
+
+/// v0 = v_start + s dv.
+void move_to(StepContext& ctx, Body& body, double s) {
+    Workspace& w = body.work;
+    ctx.team.for_range(body.vertices(), kRowChunk, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) w.v0[i] = w.v_start[i] + s * w.dv[i];
+    });
+}
+
+/// Forces and tangent at v0, and the norm of the right-hand side with the drag springs.
+double look(StepContext& ctx, Watch& watch, BodyId id, Body& body) {
+    const double norm = evaluate_elements(ctx, body, false);
+    const double with_drags = norm < kOverflow ? residual_with_drags(ctx, id, body) : norm;
+    watch.lap(ctx, Stage::elements);
+    return with_drags;
+}
+
+/// Goes along dv to where the right-hand side has no more than 0.8 of its first component along dv left against it (Matthies and Strang 1979: a
+/// step that the potential energy agrees with, also where there is none), or where the residual itself has fallen. Returns the residual there.
+double line_search(StepContext& ctx, Watch& watch, BodyId id, Body& body, double norm) {
+    Workspace& w = body.work;
+    w.v_start = w.v0;
+    const double slope = dot(ctx, body, w.dv, w.rhs);
+    double s = 1, low = 0, low_slope = slope;
+    for (int trial = 0;; ++trial) {
+        move_to(ctx, body, s);
+        const double here = look(ctx, watch, id, body);
+        const bool finite = here < kOverflow;
+        const double g = finite ? dot(ctx, body, w.dv, w.rhs) : -HUGE_VAL;
+        if ((finite && (slope <= 0 || g >= -0.8 * slope || here <= 0.9 * norm)) || trial == kMaxTrials) return here;
+        const double secant = finite ? low_slope / (low_slope - g) : 0.2;
+        s = low + (s - low) * std::clamp(secant, 0.1, 0.7);
+    }
+}
+
+struct NewtonPlan {
+    int iterations = 1;
+    double tolerance = 0;
+    bool is_static = false;
+};
+
+NewtonPlan plan_of(const SolverDef& def) {
+    NewtonPlan plan;
+    plan.is_static = def.integrator == Integrator::quasi_static;
+    plan.iterations = def.newton_iterations > 0 ? def.newton_iterations : plan.is_static ? 100 : 1;
+    plan.tolerance = plan.is_static && def.newton_tolerance == 0 ? 1e-6 : def.newton_tolerance;
+    return plan;
+}
+
+/// From v0 to a solution. v0 and the element pass stand at the last iterate.
+Outcome iterate(StepContext& ctx, Watch& watch, BodyId id, Body& body, const NewtonPlan& plan, double floor) {
+    const SolverDef& def = ctx.world.def.solver;
+    Workspace& w = body.work;
+    const bool to_tolerance = plan.tolerance > 0;
+    double norm = evaluate_elements(ctx, body, def.linearise_at == LineariseAt::current && !plan.is_static);
+    watch.lap(ctx, Stage::elements);
+    if (!(norm < kOverflow)) return Outcome::not_finite;
+    if (to_tolerance) norm = residual_with_drags(ctx, id, body);
+    double first = norm, previous = norm, eta = 0.1;
+    for (int k = 0;; ++k) {
+        if (to_tolerance) {
+            const double scale = plan.is_static ? static_scale(ctx, body) : first;
+            if ((k > 0 || plan.is_static) && norm <= std::max(plan.tolerance * scale, floor)) return Outcome::converged;
+            if (k == plan.iterations) return Outcome::cap;
+            if (k > 0) {
+                const double memory = 0.9 * eta * eta, ratio = norm / previous;
+                eta = std::min(0.1, std::max(0.9 * ratio * ratio, memory > 0.1 ? memory : 0.0));
+                eta = std::max(eta, 0.3 * std::max(plan.tolerance * scale, floor) / norm);  // no finer than Newton will ask for
+            }
+        }
+        assemble(ctx, body);
+        watch.lap(ctx, Stage::assemble);
+        const double tolerance = to_tolerance ? std::clamp(eta, def.cg_relative_tolerance, 0.1) : def.cg_relative_tolerance;
+        const bool finite = solve_system(ctx, id, body, floor, tolerance, k == 0 && !plan.is_static);
+        watch.lap(ctx, Stage::solve);
+        if (!finite) return Outcome::not_finite;
+        ctx.report.newton_iterations = std::max(ctx.report.newton_iterations, k + 1);
+        previous = norm;
+        if (to_tolerance) {
+            norm = line_search(ctx, watch, id, body, norm);
+        } else {
+            w.v_start = w.v0;
+            move_to(ctx, body, 1);
+            if (k + 1 == plan.iterations) return Outcome::converged;
+            norm = evaluate_elements(ctx, body, false);
+            watch.lap(ctx, Stage::elements);
+        }
+        if (!(norm < kOverflow)) return Outcome::not_finite;
+    }
+}
+
+/// v0 of the held coordinates when `part` of the step's prescribed motion is done.
+void move_supports(Body& body, double part) {
+    Workspace& w = body.work;
+    for (std::size_t i = 0; i < body.vertices(); ++i) {
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            if (body.is_held(i, axis)) w.v0[i][Eigen::Index(axis)] = part * w.target_v[i][Eigen::Index(axis)];
+        }
+    }
+}
+
+/// Equilibrium by load steps: what the start lacks to balance is let in part by part, with the motion of the supports. The whole at once is tried
+/// first; a part that Newton does not manage is halved.
+bool find_equilibrium(StepContext& ctx, Watch& watch, BodyId id, Body& body, const NewtonPlan& plan, double floor) {
+    Workspace& w = body.work;
+    w.target_v = w.v0;
+    w.withheld = 0;
+    move_supports(body, 0);
+    if (!(evaluate_elements(ctx, body, false) < kOverflow)) return false;
+    w.unbalance = w.b;
+    double left = 1, part = 1;
+    while (left > 0) {
+        w.v_good = w.v0;
+        const double next = std::max(0.0, left - part);
+        move_supports(body, 1 - next);
+        w.withheld = next;
+        const Outcome outcome = iterate(ctx, watch, id, body, plan, floor);
+        if (outcome == Outcome::converged) {
+            left = next;
+            part = std::min(2 * part, left);
+            continue;
+        }
+        w.v0 = w.v_good;
+        fem::seed_rotations(ctx.team, body.data().rest, body.state.x, body.state.quaternion);
+        part /= 2;
+        if (part < kSmallestLoadStep) {
+            ctx.report.flags |= StepFlag::no_equilibrium;
+            w.withheld = 0;
+            return evaluate_elements(ctx, body, false) < kOverflow;
+        }
+    }
+    return true;
+}
+
+}  // namespace
+
+bool solve_step(StepContext& ctx, Watch& watch, BodyId id, Body& body, double floor) {
+    const NewtonPlan plan = plan_of(ctx.world.def.solver);
+    if (plan.is_static) return find_equilibrium(ctx, watch, id, body, plan, floor);
+    const Outcome outcome = iterate(ctx, watch, id, body, plan, floor);
+    if (outcome == Outcome::cap) ctx.report.flags |= StepFlag::newton_cap;
+    return outcome != Outcome::not_finite;
+}
+
+}  // namespace supple
