@@ -21,8 +21,8 @@ struct Stretcher {
         def.solver.precision = Precision::double_;
         return def;
     }()) {
-        Material m = Corotational{.young_pa = kYoung, .poisson = kPoisson, .plasticity = plasticity};
-        if (small) m = Linear{kYoung, kPoisson, plasticity};
+        const Material m = small ? Material(Linear{kYoung, kPoisson, plasticity})
+                                 : Material(Corotational{.young_pa = kYoung, .poisson = kPoisson, .plasticity = plasticity});
         body = world.add_body({.shape = test::cube(2, 1), .material = m});
         Motion motion;
         for (const double t : end.times_s) motion.affine.times_s.push_back(t);
