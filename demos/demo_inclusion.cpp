@@ -69,7 +69,7 @@ public:
         if (t < kPressed_s)
             view.caption = "A soft block with a stiff ball inside, 100 to 1, cut open. Colours: Young's modulus";
         else if (t < kSoftened_s)
-            view.caption = "Pressed from above with 3 kPa: the ball does not yield, the stress gathers around it";
+            view.caption = "Pressed from above with 3 kPa: the ball does not yield, the stress gathers in it";
         else
             view.caption = "The ball is made as soft as the block while the simulation runs: the stress evens out";
     }
