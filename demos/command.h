@@ -1,6 +1,8 @@
 #pragma once
 #include <CLI/CLI.hpp>
 
+#include "demo.h"
+
 namespace supple::demos {
 
 /// Exit statuses of the program.
@@ -13,5 +15,9 @@ void add_record_command(CLI::App& app, int& status);
 void add_bench_command(CLI::App& app, int& status);
 void add_eval_command(CLI::App& app, int& status);
 void add_mesh_command(CLI::App& app, int& status);
+void add_verify_command(CLI::App& app, int& status);
+
+/// --isa: forces an instruction set.
+void add_isa_option(CLI::App& command, ShowOptions& options);
 
 }  // namespace supple::demos

@@ -24,6 +24,8 @@ struct BenchOptions {
     std::size_t steps = 100;
     std::size_t repeat = 3;
     bool large = false;
+    double tolerance = 1e-5;
+    PreconditionerKind preconditioner = PreconditionerKind::automatic;
 };
 
 struct BenchResult {
@@ -37,7 +39,7 @@ struct BenchResult {
 /// The common workload: a bar of 0.4 x 0.1 x 0.1 m, clamped at x = 0, that bends under gravity from rest.
 class BarShow : public Show {
 public:
-    BarShow(std::array<int, 3> cells, const ShowOptions& options) : world_(def(options)) {
+    BarShow(std::array<int, 3> cells, const BenchOptions& o) : world_(def(o.show, o.tolerance, o.preconditioner)) {
         const auto shape = BodyTemplate::build(make_tet_box({.min_m = Vec3::Zero(), .max_m = Vec3(0.4, 0.1, 0.1), .cells = cells}));
         BodyDef body;
         body.name = "bar";
@@ -63,11 +65,14 @@ public:
     }
 
 private:
-    static WorldDef def(const ShowOptions& options) {
+    static WorldDef def(const ShowOptions& options, double tolerance, PreconditionerKind preconditioner) {
         WorldDef d;
         d.gravity_m_s2 = Vec3(0, -9.81, 0);
         d.time_step_s = 0.01;
         d.threads = options.threads;
+        d.isa = options.isa;
+        d.solver.cg_relative_tolerance = tolerance;
+        d.solver.preconditioner = preconditioner;
         return d;
     }
     World world_;
@@ -113,7 +118,7 @@ BenchResult measure(const std::string& name, const BenchOptions& o, bool scripte
 BenchResult measure_bar(std::array<int, 3> cells, const BenchOptions& o) {
     const std::string name = "bar " + std::to_string(cells[0]) + "x" + std::to_string(cells[1]) + "x" + std::to_string(cells[2]);
     const auto tip = [](Show& show) -> std::optional<Vec3> { return static_cast<BarShow&>(show).tip_m(); };
-    return measure(name, o, false, [&] { return std::make_unique<BarShow>(cells, o.show); }, tip);
+    return measure(name, o, false, [&] { return std::make_unique<BarShow>(cells, o); }, tip);
 }
 
 BenchResult measure_scene(const std::string& scene, const BenchOptions& o) {
@@ -209,9 +214,16 @@ void add_bench_command(CLI::App& app, int& status) {
     command->add_option("scenes", o->scenes, "scene files or demos [bars of 1,536, 12,288 and 98,304 tets]");
     command->add_option("--json", o->json_file, "write everything as JSON");
     command->add_option("--threads", o->show.threads, "threads [those of the scene, or all cores]")->check(CLI::Range(1, 256));
+    add_isa_option(*command, o->show);
     command->add_option("--steps", o->steps, "steps from the start of the scene [100]")->check(CLI::Range(1, 1000000));
     command->add_option("--repeat", o->repeat, "how often the same steps are timed [3]")->check(CLI::Range(1, 10000));
     command->add_flag("--large", o->large, "also the bar of 331,776 tets");
+    command->add_option("--tolerance", o->tolerance, "of the bars' solves, on the true residual [1e-5]")->check(CLI::Range(1e-12, 0.5));
+    command->add_option("--preconditioner", o->preconditioner, "of the bars' solves [auto]")
+        ->transform(CLI::CheckedTransformer(std::map<std::string, PreconditionerKind>{{"auto", PreconditionerKind::automatic},
+                                                                                      {"block_jacobi", PreconditionerKind::block_jacobi},
+                                                                                      {"lattice_multigrid", PreconditionerKind::lattice_multigrid},
+                                                                                      {"scalar_laplacian", PreconditionerKind::scalar_laplacian}}));
     command->callback([o, &status] { status = bench(*o); });
 }
 

@@ -20,14 +20,12 @@ struct RunOptions {
     std::size_t steps = 0;  ///< 0 = not given: 300, or the duration of a demo
     bool steps_given = false;
     ShowOptions show;
-    std::string isa = "auto";
     std::string report, positions, velocities, save, restore;
     StressOptions stress;
     bool quiet = false;
 };
 
 void check(const RunOptions& o) {
-    if (o.isa != "auto") throw Error(ErrorCode::unsupported, "--isa " + o.isa, "the widest instruction set of the processor is always used; leave it at auto");
     o.stress.check();
     for (const std::string& file : {o.report, o.positions, o.velocities, o.save}) require_writable(file);
 }
@@ -107,7 +105,7 @@ void add_run_command(CLI::App& app, int& status) {
     command->add_option("scene", o->scene, "scene file, or name of a demo")->required();
     CLI::Option* steps = command->add_option("--steps", o->steps, "steps to do [300; a demo: its duration]")->check(CLI::Range(0, 1000000000));
     command->add_option("--threads", o->show.threads, "threads [those of the scene, or all cores]")->check(CLI::Range(1, 256));
-    command->add_option("--isa", o->isa, "instruction set: auto");
+    add_isa_option(*command, o->show);
     command->add_option("--report", o->report, "write a JSON report");
     command->add_option("--positions", o->positions, "write the final positions, x y z a line [m]");
     command->add_option("--velocities", o->velocities, "write the final velocities [m/s]");

@@ -28,6 +28,7 @@ public:
 /// Settings that the command line overrides before the world is built.
 struct ShowOptions {
     int threads = 0;
+    std::optional<Isa> isa{};  ///< empty: the widest
 };
 
 /// A demo. Each lives in one file of demos/ and registers itself with a `const RegisterDemo`.

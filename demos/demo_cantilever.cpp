@@ -16,6 +16,7 @@ constexpr double kWeight_n = 6, kHung_s = 3.5, kTaken_s = 6.5;
 WorldDef world_def(const ShowOptions& options) {
     WorldDef def;
     def.threads = options.threads;
+    def.isa = options.isa;
     def.time_step_s = 1.0 / 120;
     def.solver.rayleigh_stiffness_s = 0.004;
     return def;

@@ -14,6 +14,7 @@ namespace {
 WorldDef world_def(const ShowOptions& options) {
     WorldDef def;
     def.threads = options.threads;
+    def.isa = options.isa;
     def.time_step_s = 1.0 / 120;
     def.solver.rayleigh_mass_1_s = 0.3;        // the air and the tissue around it calm the swinging
     def.solver.rayleigh_stiffness_s = 0.002;

@@ -1,5 +1,7 @@
 #include "open_show.h"
 
+#include "command.h"
+
 #include <cmath>
 #include <cstdlib>
 #include <vector>
@@ -55,8 +57,22 @@ OpenedShow open_show(const std::string& scene, const ShowOptions& options) {
         throw Error(ErrorCode::invalid_argument, scene, "is neither a scene file nor a demo; the demos are: " + demo_names());
     io::Scene read = io::read_scene(scene);
     if (options.threads > 0) read.world.threads = options.threads;
+    if (options.isa) read.world.isa = options.isa;
     const std::string name = fs::path(scene).stem().string();
     return {name, false, std::make_unique<SceneShow>(read, name)};
+}
+
+void add_isa_option(CLI::App& command, ShowOptions& options) {
+    command.add_option_function<std::string>(
+               "--isa",
+               [&options](const std::string& word) {
+                   options.isa.reset();
+                   for (const Isa isa : kAllIsas) {
+                       if (word == name(isa)) options.isa = isa;
+                   }
+               },
+               "instruction set of the kernels [auto: the widest that the processor has]")
+        ->check(CLI::IsMember({"auto", "scalar", "baseline", "avx2", "avx512"}));
 }
 
 fs::path find_asset(const std::string& name) {

@@ -70,7 +70,7 @@ void StepStatistics::write_report(const std::filesystem::path& file, const World
 
 io::RunSummary summary_of(const World& world) {
     const int asked = world.def().threads;
-    return io::summarise(world, std::string(name(best_isa())), asked > 0 ? asked : hardware_threads());
+    return io::summarise(world, std::string(name(world.def().isa.value_or(best_isa()))), asked > 0 ? asked : hardware_threads());
 }
 
 }  // namespace supple::demos

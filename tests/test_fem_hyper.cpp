@@ -44,15 +44,15 @@ struct Outcome {
 
 Outcome run(Isa isa, const Material& material, const TemplateData& data, std::span<const Vec3> x, std::span<const Vec3> field) {
     fem::ElementsDef def;
-    def.rest = &data.rest;
-    def.corners = &data.corners;
-    def.lists = {data.pattern.row_start, data.pattern.column, data.pattern.mirror, data.gather.start, data.gather.pair};
+    def.layout = &data.layout;
+    def.pattern = {data.pattern.row_start, data.pattern.column, data.pattern.mirror};
+    for (const auto& map : data.gather) def.contributions.push_back({map.start, map.pair});
     def.isa = isa;
     fem::ElementMaterials of;
-    of.list = {material};
+    of.materials = {material};
     Team team;
     Outcome r;
-    const std::size_t lanes = data.rest.blocks() * fem::kBlock;
+    const std::size_t lanes = data.layout.blocks * fem::kBlock;
     r.corner.resize(lanes * 16);
     r.energy.resize(lanes);
     r.stress.resize(lanes * 6);
@@ -63,12 +63,12 @@ Outcome run(Isa isa, const Material& material, const TemplateData& data, std::sp
         def.precision = precision;
         const auto elements = fem::make_elements(def, of);
         r.quaternion.assign(lanes * 4, 0.0);
-        fem::seed_rotations(team, data.rest, x, r.quaternion);
+        fem::seed_rotations(team, data.layout, x, r.quaternion);
         elements->evaluate(team, x.data()->data(), r.quaternion.data(), outputs);
         matrix.resize(data.pattern.blocks() * 12);
         elements->assemble(team, 0.5, shift, matrix.data());
         AlignedVector<double> scratch(lanes * 16);
-        elements->product(team, r.quaternion.data(), field, scratch, r.product);
+        fem::stiffness_product(team, *elements, data.layout, r.quaternion.data(), field, scratch, r.product);
     };
     evaluate_with(fem::MatrixPrecision::single, r.matrix_f);
     evaluate_with(fem::MatrixPrecision::double_, r.matrix);
@@ -107,7 +107,7 @@ void compare(double deformation, double tolerance) {
         v = v + random.vector(deformation * 0.02);
         field.push_back(random.vector(1));
     }
-    for (const auto& [name_of, material] : materials(data.rest.elements)) {
+    for (const auto& [name_of, material] : materials(data.layout.elements)) {
         const Outcome oracle = run(Isa::scalar, material, data, x, field);
         auto y = multiply(data.pattern, oracle.matrix, field);
         for (std::size_t i = 0; i < y.size(); ++i) y[i] = (y[i] - 0.125 * field[i]) / 0.5;

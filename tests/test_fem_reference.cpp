@@ -58,6 +58,27 @@ TEST(FemReference, SingularValueFramesAreThePolarOnes) { check_method("polar", C
 TEST(FemReference, EdgeFrames) { check_method("large", Corotational{.rotation = Rotation::large, .young_pa = 2e5, .poisson = 0.4}); }
 TEST(FemReference, SmallDisplacements) { check_method("linear", Linear{.young_pa = 2e5, .poisson = 0.4}); }
 
+/// The same bar of 256 cubes, fully integrated as the reference is.
+void check_hexes(const std::string& method, const Material& material) {
+    const auto shape = test::hex_bar();
+    const auto& X = shape->mesh().vertices;
+    const auto force = evaluate(*shape, material, deformed(X)).forces_n;
+    const auto df = force_differential(*shape, material, deformed(X), direction(X));
+    EXPECT_TRUE(test::all_finite(force));
+    const auto folder = test::shared_directory() / "reference";
+    if (test::skipped_for_want_of(folder / ("bar1.hex." + method + ".force.txt"))) return;
+    EXPECT_LT(test::relative_difference(force, test::read_vectors(folder / ("bar1.hex." + method + ".force.txt"))), 1e-9);
+    EXPECT_LT(test::relative_difference(df, test::read_vectors(folder / ("bar1.hex." + method + ".dforce.txt"))), 1e-9);
+}
+
+TEST(FemReference, Hexahedra) {
+    check_hexes("linear", Linear{.young_pa = 2e5, .poisson = 0.4, .integration = Integration::full});
+    for (const Rotation rotation : {Rotation::large, Rotation::polar, Rotation::svd}) {
+        check_hexes(rotation == Rotation::large ? "large" : "polar",
+                    Corotational{.rotation = rotation, .young_pa = 2e5, .poisson = 0.4, .integration = Integration::full});
+    }
+}
+
 /// A fifth of the deformation.
 std::vector<Vec3> deformed_a_little(std::span<const Vec3> X) {
     std::vector<Vec3> x = deformed(X);
@@ -65,6 +86,7 @@ std::vector<Vec3> deformed_a_little(std::span<const Vec3> X) {
     return x;
 }
 
+/// The hyperelastic laws, at a fifth of the deformation.
 void check_law(const std::string& law, const Material& material, double tolerance) {
     const auto shape = test::bar();
     const auto& X = shape->mesh().vertices;

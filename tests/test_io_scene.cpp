@@ -263,7 +263,7 @@ TEST(IoScene, MistakesNameThePointerAndTheFix) {
     refuse(with_key(R"("gravity_m_s2": [0, null, 0])"), "/gravity_m_s2/1", {"null"});
     refuse(with_key(R"("threads": 257)"), "/threads", {"257", "[0, 256]"});
     refuse(with_key(R"("threads": 1.5)"), "/threads", {"whole number"});
-    refuse(with_key(R"("solver": {"newton_iterations": 0})"), "/solver/newton_iterations", {"[1, 100]"});
+    refuse(with_key(R"("solver": {"newton_iterations": 0})"), "/solver/newton_iterations", {"[1, 1000]"});
     refuse(with_key(R"("solver": {"newton_tolerance": 1})"), "/solver/newton_tolerance", {"[0, 1)"});
     refuse(with_key(R"("solver": {"cg_relative_tolerance": 0})"), "/solver/cg_relative_tolerance", {"(0, 1)"});
     refuse(with_key(R"("solver": {"cg_max_iterations": 1e7})"), "/solver/cg_max_iterations", {"[1, 1000000]"});
@@ -327,6 +327,12 @@ TEST(IoScene, MistakesNameThePointerAndTheFix) {
     refuse(one_body(R"("material": {"law": "Costa", "c1_pa": 1})"), b + "material/c1_pa", {"unknown key"});
 }
 
+TEST(IoScene, SolverSettingsReachTheWorld) {
+    EXPECT_EQ(parse(with_key(R"("solver": {"step_budget_us": 8000})")).world.solver.step_budget_us, 8000);
+    EXPECT_EQ(parse(with_key(R"("solver": {"preconditioner": "lattice_multigrid"})")).world.solver.preconditioner, PreconditionerKind::lattice_multigrid);
+    EXPECT_EQ(parse(with_key(R"("solver": {"preconditioner": "scalar_laplacian"})")).world.solver.preconditioner, PreconditionerKind::scalar_laplacian);
+}
+
 TEST(IoScene, WhatThisBuildCannotDoIsRefusedByItsKey) {
     const auto refuse = [](const std::string& text, const std::string& pointer, const std::vector<std::string>& words) {
         SCOPED_TRACE(text);
@@ -335,12 +341,11 @@ TEST(IoScene, WhatThisBuildCannotDoIsRefusedByItsKey) {
     for (const char* word : {"bdf2", "newmark", "static"}) {
         refuse(with_key(std::string(R"("solver": {"integrator": ")") + word + "\"}"), "/solver/integrator", {word, "implicit_euler"});
     }
-    for (const char* word : {"auto_timed", "scalar_laplacian", "lattice_multigrid", "direct"}) {
+    for (const char* word : {"auto_timed", "direct"}) {
         refuse(with_key(std::string(R"("solver": {"preconditioner": ")") + word + "\"}"), "/solver/preconditioner", {word, "block_jacobi"});
     }
     refuse(with_key(R"("solver": {"tangent": "exact"})"), "/solver/tangent", {"warped"});
     refuse(with_key(R"("solver": {"operator": "matrix_free"})"), "/solver/operator", {"assembled"});
-    refuse(with_key(R"("solver": {"step_budget_us": 10})"), "/solver/step_budget_us", {"step_budget_us"});
     refuse(with_key(R"("colliders": [{"plane": {"normal": [0, 1, 0], "offset_m": 0}}])"), "/colliders", {"colliders"});
     refuse(one_body(R"("material": {"fibre": [1, 0, 0]})"), "/bodies/0/material/fibre", {"fibre", "hyperelastic"});
     refuse(one_body(R"("material": {"law": "linear", "matrix_regularization": true})"), "/bodies/0/material/matrix_regularization", {"hyperelastic"});
@@ -349,8 +354,6 @@ TEST(IoScene, WhatThisBuildCannotDoIsRefusedByItsKey) {
     for (const char* key : {"pressure_pa", "moment_nm", "follower", "axis"}) {
         refuse(one_body(std::string(R"("loads": [{"all": true, ")") + key + R"(": 1}])"), std::string("/bodies/0/loads/0/") + key, {key, "traction_pa"});
     }
-    refuse(R"({"supple_scene": 1, "bodies": [{"box": {"min_m": [0, 0, 0], "max_m": [1, 1, 1], "cells": [1, 1, 1], "elements": "hexes"}}]})",
-           "/bodies/0/box/elements", {"tets"});
 }
 
 TEST(IoScene, EveryLawReadsItsParameters) {
@@ -398,7 +401,24 @@ TEST(IoScene, MistakesInMeshesNameBothPlaces) {
     };
     refuse(ErrorCode::surface_mesh, "surface.obj", {"surface.obj", "surface mesh"});
     refuse(ErrorCode::parse, "broken.msh", {"broken.msh:3", "zero"});
-    refuse(ErrorCode::unsupported, "hexes.msh", {"hexahedra", "hexes.msh"});
+    VolumeMesh folded = make_hex_box({});
+    std::swap(folded.vertices[6], folded.vertices[7]);
+    write_gmsh(folder / "folded.msh", folded);
+    refuse(ErrorCode::invalid_argument, "folded.msh", {"folded.msh", "hex 0", "Jacobian"});
+    EXPECT_EQ(parse_scene(scene_of("hexes.msh"), folder.path(), "s.json").bodies.at(0).def.shape->mesh().hexes.size(), 1u);
+}
+
+TEST(IoScene, HexBoxesAndTheIntegrationOfTheirElements) {
+    const auto parsed = [](const std::string& material) {
+        return body_of(parse(R"({"supple_scene": 1, "bodies": [{"box": {"min_m": [0, 0, 0], "max_m": [1, 1, 1], "cells": [2, 1, 1], "elements": "hexes"},
+                                 "material": )" + material + "}]}")).def;
+    };
+    EXPECT_EQ(parsed("{}").shape->mesh().hexes.size(), 2u);
+    EXPECT_EQ(parsed("{}").shape->mesh().tets.size(), 0u);
+    EXPECT_EQ(std::get<Corotational>(parsed("{}").material).integration, Integration::incompatible);
+    EXPECT_EQ(std::get<Corotational>(parsed(R"({"integration": "full"})").material).integration, Integration::full);
+    EXPECT_EQ(std::get<Linear>(parsed(R"({"law": "linear", "integration": "full"})").material).integration, Integration::full);
+    EXPECT_EQ(std::get<Linear>(parsed(R"({"law": "linear", "integration": "incompatible"})").material).integration, Integration::incompatible);
 }
 
 TEST(IoScene, OnlyErrorsEscapeFromMutatedScenes) {

@@ -133,7 +133,7 @@ TEST_F(Program, RefusesWrongArguments) {
 
 TEST_F(Program, RefusesWhatItDoesNotCompute) {
     write_scene();
-    expect_refused(supple({"run", "bar.json", "--isa", "avx2"}), "auto");
+    expect_refused(supple({"run", "bar.json", "--isa", "altivec"}), "avx512");
     expect_refused(supple({"run", "bar.json", "--stress", "s.txt", "--strain", "green"}), "corotational");
     expect_refused(supple({"run", "bar.json", "--stress", "s.txt", "--recovery", "spr"}), "volume-weighted");
     expect_refused(supple({"run", "cantilever", "--steps", "1", "--restore", "s.bin"}), "script");
@@ -371,6 +371,22 @@ TEST_F(Program, SlowBenchOfTheStandardBarsFindsTheTip) {
     double distance = 0;
     for (int i = 0; i < 3; ++i) distance += std::pow(bar.at("tip_m")[i].get<double>() - expected[i], 2);
     EXPECT_LT(std::sqrt(distance), 0.003 * 0.4);
+}
+
+// -- the verification suite -------------------------------------------------------------------------------
+
+TEST_F(Program, VerifyPrintsATableAndFailsWhereItShould) {
+    const Result text = supple({"verify", "--row", "7"});
+    EXPECT_EQ(text.status, 0) << text.out;
+    EXPECT_NE(text.out.find("StVenantKirchhoff, tets, shear 0.5"), std::string::npos) << text.out;
+    EXPECT_EQ(text.out.find("FAIL"), std::string::npos);
+    const Result markdown = supple({"verify", "--row", "1", "--row", "7", "--markdown"});
+    EXPECT_EQ(markdown.status, 0);
+    EXPECT_EQ(markdown.out.rfind("| row | case |", 0), 0u) << markdown.out;
+    EXPECT_NE(markdown.out.find("\n| 1 | rigid motion"), std::string::npos) << markdown.out;
+    const Result list = supple({"verify", "--list"});
+    EXPECT_NE(list.out.find("20  manufactured solution"), std::string::npos) << list.out;
+    expect_refused(supple({"verify", "--row", "99"}), "99");
 }
 
 // -- drawing ------------------------------------------------------------------------------------------

@@ -89,6 +89,9 @@ struct Busy {
         motion.where = test::at_x(0);
         motion.displacement_m = {{0, 1}, {Vec3::Zero(), Vec3(0.1, 0, 0)}};
         world.prescribe(cube, motion);
+        const BodyId hexes = world.add_body({.shape = test::hex_bar({8, 2, 2}), .material = Corotational{.young_pa = 1e5, .poisson = 0.4}, .translation_m = {0, 2, 0}});
+        world.fix(hexes, test::at_x(0));
+        world.add_body({.shape = test::irregular_hex_cube(2, 0.2, 1), .material = NeoHookean{}, .translation_m = {0, 4, 0}});
         const auto hit = world.pick({{0.35, 0.05, 1}, {0, 0, -1}});
         EXPECT_TRUE(hit.has_value());
         at = hit->position_m;
@@ -130,6 +133,10 @@ TEST(WorldAllocation, AStepAllocatesNothing) {
             def.solver.rayleigh_stiffness_s = 0.001;
             def.stress_each_step = true;
             expect_no_allocation(def, "Newton, damping, stress");
+            def.solver.preconditioner = PreconditionerKind::lattice_multigrid;
+            expect_no_allocation(def, "multigrid");
+            def.solver.preconditioner = PreconditionerKind::scalar_laplacian;
+            expect_no_allocation(def, "scalar Laplacian");
         }
     }
 }

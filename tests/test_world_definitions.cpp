@@ -81,7 +81,10 @@ TEST(WorldDefinitions, ShapesAreChecked) {
     VolumeMesh surface;
     surface.vertices = mesh.vertices;
     expect_error(ErrorCode::surface_mesh, "", [&] { BodyTemplate::build(surface); });
-    expect_error(ErrorCode::unsupported, "", [&] { BodyTemplate::build(make_hex_box({})); });
+    EXPECT_NEAR(BodyTemplate::build(make_hex_box({}))->report().volume_m3, 1, 1e-15);
+    VolumeMesh folded = make_hex_box({});
+    std::swap(folded.vertices[6], folded.vertices[7]);
+    expect_error(ErrorCode::invalid_argument, "", [&] { BodyTemplate::build(folded); });
 }
 
 struct OneTet {

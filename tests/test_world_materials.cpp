@@ -155,6 +155,106 @@ TEST(WorldMaterials, RegionsAndFactorsChangeWhileRunning) {
     for (const double young : changed.world.element_young_pa(changed.body)) EXPECT_NEAR(young, 1e5, 1e-6);
 }
 
+/// Hexes below, tets above, and laws of other families in regions.
+BodyDef body_of_many_laws() {
+    VolumeMesh mesh = make_hex_box({.min_m = Vec3::Zero(), .max_m = Vec3::Constant(0.3), .cells = {4, 4, 4}});
+    const VolumeMesh tets = make_tet_box({.min_m = Vec3::Zero(), .max_m = Vec3::Constant(0.3), .cells = {4, 4, 4}});
+    mesh.hexes.resize(32);
+    mesh.tets.assign(tets.tets.begin() + 32 * 6, tets.tets.end());
+    BodyDef def;
+    def.shape = BodyTemplate::build(std::move(mesh));
+    def.material = kSoft;
+    const Fibres f{.fibre = {Vec3(1, 0.2, 0)}, .fibre_stiffness_pa = 5e4};
+    def.regions = {{.where = InsideBox{Vec3(0.15 - 1e-9, -1, -1), Vec3(1, 1, 1)}, .material = NeoHookean{.fibres = f}},
+                   {.where = InsideBox{Vec3(-1, -1, 0.2), Vec3(1, 1, 1)}, .material = Costa{4e4, 6e4, {8, 4, 2, 4, 2, 2}, f}, .stiffness_factor = 2},
+                   {.where = InsideBox{Vec3(-1, -1, -1), Vec3(0.1, 0.1, 1)}, .material = Linear{.young_pa = 2e5}, .density_kg_m3 = 1500}};
+    return def;
+}
+
+TEST(WorldMaterials, LawsOfAllFamiliesMoveTogether) {
+    BodyDef def = body_of_many_laws();
+    std::uint64_t hash = 0;
+    for (const int threads : {1, 3}) {
+        World world(world_def(threads));
+        const BodyId body = world.add_body(def);
+        world.fix(body, test::at_x(0));
+        for (int n = 0; n < 100; ++n) ASSERT_EQ(world.step().flags, StepFlag::none) << n;
+        EXPECT_TRUE(test::all_finite(world.positions(body)));
+        EXPECT_GT(world.element_von_mises(body)[0], 0);
+        EXPECT_EQ(threads == 1 ? world.hash() : hash, world.hash());
+        hash = world.hash();
+    }
+    def.regions.push_back({.where = Everything{}, .material = Costa{}});
+    World world(world_def());
+    EXPECT_THROW(world.add_body(def), Error) << "Costa's law has no hexahedra";
+}
+
+/// A change of laws that groups the elements anew goes on as a world that was built so, whatever was made for the old groups.
+TEST(WorldMaterials, LawsOfRegionsChangeWhileRunning) {
+    const BodyDef many = body_of_many_laws();
+    BodyDef nodal = many;
+    nodal.material = Corotational{.young_pa = 1e5, .poisson = 0.49, .volumetric = Volumetric::nodal};
+    BodyDef plain = many;
+    plain.regions.clear();
+    for (const PreconditionerKind kind : {PreconditionerKind::automatic, PreconditionerKind::lattice_multigrid, PreconditionerKind::scalar_laplacian}) {
+        WorldDef w = world_def();
+        w.solver.preconditioner = kind;
+        const auto build = [&](const BodyDef& def) {
+            auto world = std::make_unique<World>(w);
+            world->fix(world->add_body(def), test::at_x(0));
+            return world;
+        };
+        const auto changed = build(plain);
+        const BodyId body = changed->bodies()[0];
+        for (const BodyDef* def : {&many, &plain, &nodal, &many}) {
+            if (def == &nodal && kind != PreconditionerKind::automatic) continue;
+            for (int n = 0; n < 3; ++n) ASSERT_EQ(changed->step().flags, StepFlag::none);
+            const auto before = changed->save();
+            changed->set_regions(body, def->regions);
+            changed->set_material(body, def->material);
+            const auto built = build(*def);
+            built->restore(changed->save());
+            ASSERT_EQ(built->hash(), changed->hash());
+            for (int n = 0; n < 3; ++n) {
+                ASSERT_EQ(changed->step().flags, StepFlag::none);
+                ASSERT_EQ(built->step().flags, StepFlag::none);
+            }
+            EXPECT_EQ(built->hash(), changed->hash());
+            if (def == &plain || def == &many) {
+                EXPECT_THROW(changed->restore(before), Error) << "its elements lie elsewhere";
+            }
+            changed->reset();
+            const auto fresh = build(*def);
+            EXPECT_EQ(fresh->hash(), changed->hash());
+        }
+    }
+}
+
+/// polar and svd are two families of the same matter: what an element has flowed goes along to its new place.
+TEST(WorldMaterials, PlasticStrainGoesAlongToTheNewGroups) {
+    BodyDef def = bar_of(Corotational{.young_pa = 1e5, .poisson = 0.3, .plasticity = {.yield = 0.01, .creep_1_s = 5}});
+    Bar bar(def);
+    bar.run(40);
+    const auto before = std::vector<Voigt>(bar.world.element_cauchy_stress(bar.body).begin(), bar.world.element_cauchy_stress(bar.body).end());
+    Bar elastic(bar_of(kSoft));
+    elastic.world.set_state(elastic.body, bar.world.positions(bar.body), bar.world.velocities(bar.body));
+    double largest = 0, flowed = 0;
+    for (std::size_t e = 0; e < before.size(); ++e) {
+        for (std::size_t c = 0; c < 6; ++c) {
+            largest = std::max(largest, std::abs(before[e][c]));
+            flowed = std::max(flowed, std::abs(before[e][c] - elastic.world.element_cauchy_stress(elastic.body)[e][c]));
+        }
+    }
+    ASSERT_GT(flowed, 0.05 * largest) << "nothing flowed";
+    Corotational svd = std::get<Corotational>(def.material);
+    svd.rotation = Rotation::svd;
+    bar.world.set_regions(bar.body, {{.where = InsideBox{Vec3(0.1 - 1e-9, -1, -1), Vec3(0.2 + 1e-9, 1, 1)}, .material = svd}});
+    const auto after = bar.world.element_cauchy_stress(bar.body);
+    for (std::size_t e = 0; e < before.size(); ++e) {
+        for (std::size_t c = 0; c < 6; ++c) EXPECT_NEAR(after[e][c], before[e][c], 1e-9 * largest) << e;
+    }
+}
+
 TEST(WorldMaterials, ResetGoesToTheStartWithTheMaterialsOfTheMoment) {
     Bar changed(bar_of(kSoft));
     changed.run(3);

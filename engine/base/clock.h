@@ -1,7 +1,13 @@
 #pragma once
 #include <chrono>
+#include <cstdint>
 
 namespace supple {
+
+/// Nanoseconds on the monotonic clock.
+inline std::int64_t now_ns() {
+    return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
 
 /// Milliseconds on the monotonic clock since construction.
 class Stopwatch {

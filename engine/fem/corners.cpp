@@ -9,9 +9,14 @@ CornerMap make_corner_map(std::size_t vertices, std::span<const Tet> tets) {
         for (const std::int32_t v : tet) ++map.start[std::size_t(v) + 1];
     for (std::size_t v = 0; v < vertices; ++v) map.start[v + 1] += map.start[v];
     map.corner.resize(tets.size() * 4);
+    map.element.resize(tets.size() * 4);
     std::vector<std::int64_t> next(map.start.begin(), map.start.end() - 1);
     for (std::size_t e = 0; e < tets.size(); ++e)
-        for (std::size_t a = 0; a < 4; ++a) map.corner[std::size_t(next[std::size_t(tets[e][a])]++)] = std::uint32_t(e * 4 + a);
+        for (std::size_t a = 0; a < 4; ++a) {
+            const std::size_t i = std::size_t(next[std::size_t(tets[e][a])]++);
+            map.corner[i] = std::uint32_t(e * 4 + a);
+            map.element[i] = std::int32_t(e);
+        }
     return map;
 }
 

@@ -49,20 +49,17 @@ Listed list(const Costa& m) {
 Listed list(const Linear&) { return {}; }
 Listed list(const Corotational&) { return {}; }
 
-/// Bodies may mix Ogden materials of different lengths: terms without stiffness fill up the shorter.
-void pad(Listed& listed, std::size_t count) {
-    while (listed.values.size() < count) {
-        listed.add(0, true);
-        listed.add(1, false);
-    }
-}
-
 struct Entry {
     Listed listed;
-    double inversion;
-    const Fibres* fibres;
-    bool has_fibre, has_sheet;
+    double inversion = 0;
+    const Fibres* fibres = nullptr;
 };
+
+Entry entry_of(const Material& material) {
+    // A turned-out element is pushed back about as hard as a thoroughly squeezed one: ten times the small-strain stiffness of uniaxial strain.
+    const Lame small = small_strain(material);
+    return {std::visit([](const auto& m) { return list(m); }, material), 10 * (std::max(small.lambda_pa, 0.0) + 2 * small.mu_pa), fibres_of(material)};
+}
 
 const Vec3& direction(const std::vector<Vec3>& directions, std::size_t element) { return directions[directions.size() == 1 ? 0 : element]; }
 
@@ -85,32 +82,30 @@ Mat3 material_frame(const Fibres& fibres, std::size_t element) {
     return Q0;
 }
 
-HyperParameters make_hyper_parameters(const Tet4Rest& rest, const ElementMaterials& materials) {
-    std::vector<Entry> entries;
-    std::size_t count = 0;
+HyperParameters make_hyper_parameters(const ElementGroup& group, const ElementMaterials& materials) {
+    std::vector<Entry> entries(materials.materials.size());  // of the materials in this group
     bool any_fibre = false, any_sheet = false;
-    for (const Material& material : materials.list) {
-        // A turned-out element is pushed back about as hard as a thoroughly squeezed one: ten times the small-strain stiffness of uniaxial strain.
-        const Lame small = small_strain(material);
-        const Fibres* fibres = fibres_of(material);
-        SUPPLE_ASSERT(fibres != nullptr && same_law(material, materials.list[0]));
-        entries.push_back({std::visit([](const auto& m) { return list(m); }, material), 10 * (std::max(small.lambda_pa, 0.0) + 2 * small.mu_pa), fibres,
-                           fibres->fibre_stiffness_pa > 0, fibres->sheet_stiffness_pa > 0});
-        count = std::max(count, entries.back().listed.values.size());
-        any_fibre |= entries.back().has_fibre;
-        any_sheet |= entries.back().has_sheet;
+    for (const std::int32_t e : group.element) {
+        Entry& entry = entries[materials.index(std::size_t(e))];
+        if (entry.fibres != nullptr) continue;
+        entry = entry_of(materials.of(std::size_t(e)));
+        SUPPLE_ASSERT(entry.fibres != nullptr);
+        any_fibre |= entry.fibres->fibre_stiffness_pa > 0;
+        any_sheet |= entry.fibres->sheet_stiffness_pa > 0;
     }
-    for (Entry& entry : entries) pad(entry.listed, count);
+    const Listed& first = entries[materials.index(std::size_t(group.element[0]))].listed;
+    const std::size_t count = first.values.size();
 
     HyperParameters p;
-    p.law = entries[0].listed.law;
+    p.law = first.law;
     p.count = 1 + count + (is_tensor_law(p.law) ? 9 : 0);
     p.families = std::size_t(any_fibre) + std::size_t(any_sheet);
-    p.field.resize(rest.blocks() * p.count * kBlock);
-    p.fibre.resize(rest.blocks() * p.families * kFibre * kBlock);
-    for (std::size_t i = 0; i < rest.blocks() * kBlock; ++i) {
-        const std::size_t element = std::min(i, rest.elements - 1);
-        const Entry& entry = entries[materials.of.empty() ? 0 : materials.of[element]];
+    p.field.resize(group.blocks() * p.count * kBlock);
+    p.fibre.resize(group.blocks() * p.families * kFibre * kBlock);
+    for (std::size_t i = 0; i < group.blocks() * kBlock; ++i) {
+        const std::size_t element = std::size_t(group.element[std::min(i, group.element.size() - 1)]);
+        const Entry& entry = entries[materials.index(element)];
+        SUPPLE_ASSERT(entry.listed.law == p.law && entry.listed.values.size() == count);
         const double factor = materials.factor(element);
         double* to = p.field.data() + i / kBlock * p.count * kBlock + i % kBlock;
         to[0] = factor * entry.inversion;

@@ -1,5 +1,5 @@
 #pragma once
-#include "supple/fem/element_materials.h"
+#include "supple/fem/elements.h"
 #include "supple/fem/tet4_hyper.h"
 
 namespace supple::fem {
@@ -13,8 +13,8 @@ struct HyperParameters {
     AlignedVector<double> fibre;    ///< [block][family][kFibre][lane]
 };
 
-/// @param materials  all of the same law
-HyperParameters make_hyper_parameters(const Tet4Rest& rest, const ElementMaterials& materials);
+/// The elements of a group have one law, each its own numbers. Free lanes repeat the last element.
+HyperParameters make_hyper_parameters(const ElementGroup& group, const ElementMaterials& materials);
 
 /// Material frame of an element of Costa's law, columns f s n.
 Mat3 material_frame(const Fibres& fibres, std::size_t element);

@@ -1,6 +1,7 @@
 #include "supple/fem/rest.h"
 
 #include <Eigen/LU>
+#include <algorithm>
 
 #include "supple/base/assert.h"
 
@@ -31,26 +32,14 @@ Tet4Rest make_rest(std::span<const Vec3> vertices, std::span<const Tet> tets) {
     return rest;
 }
 
-AlignedVector<double> make_moduli(const Tet4Rest& rest, std::span<const Lame> lame) {
-    SUPPLE_ASSERT(lame.size() == 1 || lame.size() == rest.elements);
-    AlignedVector<double> moduli(rest.blocks() * 2 * kBlock);
-    for (std::size_t i = 0; i < rest.blocks() * kBlock; ++i) {
-        const std::size_t element = i < rest.elements ? i : rest.elements - 1;
-        const Lame& l = lame[lame.size() == 1 ? 0 : element];
+AlignedVector<double> make_moduli(std::size_t blocks, std::span<const Lame> lame) {
+    AlignedVector<double> moduli(blocks * 2 * kBlock);
+    for (std::size_t i = 0; i < blocks * kBlock; ++i) {
+        const Lame& l = lame[std::min(i, lame.size() - 1)];
         moduli[(i / kBlock * 2) * kBlock + i % kBlock] = l.lambda_pa;
         moduli[(i / kBlock * 2 + 1) * kBlock + i % kBlock] = l.mu_pa;
     }
     return moduli;
-}
-
-std::vector<double> lumped_mass(const Tet4Rest& rest, std::span<const double> density_kg_m3) {
-    SUPPLE_ASSERT(density_kg_m3.size() == 1 || density_kg_m3.size() == rest.elements);
-    std::vector<double> mass(rest.vertices, 0.0);
-    for (std::size_t i = 0; i < rest.elements; ++i) {
-        const double quarter = density_kg_m3[density_kg_m3.size() == 1 ? 0 : i] * rest.volume[i] / 4;
-        for (std::size_t a = 0; a < 4; ++a) mass[std::size_t(rest.vertex[(i / kBlock * 4 + a) * kBlock + i % kBlock])] += quarter;
-    }
-    return mass;
 }
 
 namespace {
@@ -73,16 +62,14 @@ double laplacian_entry(const Tet4Rest& rest, std::span<const double> moduli, std
            rest_gradient(rest, element, (pair >> 2) & 3).dot(rest_gradient(rest, element, pair & 3));
 }
 
-std::vector<double> stiffness_trace(const Tet4Rest& rest, std::span<const double> moduli) {
+void add_stiffness_trace(const Tet4Rest& rest, std::span<const double> moduli, std::span<double> trace) {
     // tr(lambda g g^T + mu g g^T + mu |g|^2 I) = (lambda + 4 mu) |g|^2
-    std::vector<double> trace(rest.vertices, 0.0);
     for (std::size_t e = 0; e < rest.elements; ++e) {
         const double k = rest.volume[e] * (modulus(moduli, e, 0) + 4 * modulus(moduli, e, 1));
         for (std::size_t a = 0; a < 4; ++a) {
             trace[std::size_t(rest.vertex[(e / kBlock * 4 + a) * kBlock + e % kBlock])] += k * rest_gradient(rest, e, a).squaredNorm();
         }
     }
-    return trace;
 }
 
 }  // namespace supple::fem

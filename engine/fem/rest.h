@@ -11,17 +11,14 @@ namespace supple::fem {
 /// Rest data of checked tetrahedra (positive volumes: mesh/check_and_repair).
 Tet4Rest make_rest(std::span<const Vec3> vertices, std::span<const Tet> tets);
 
-/// Lame parameters in the layout of the kernels, [block][lambda mu][lane]. One Lame per element, or one for all.
-AlignedVector<double> make_moduli(const Tet4Rest& rest, std::span<const Lame> lame);
-
-/// Row-sum lumped mass: a quarter of each element's mass to each of its vertices [kg]. One density for all, or one per element.
-std::vector<double> lumped_mass(const Tet4Rest& rest, std::span<const double> density_kg_m3);
+/// Lame parameters in the layout of the kernels, [block][lambda mu][lane]. One Lame per element (the last is repeated), or one for all.
+AlignedVector<double> make_moduli(std::size_t blocks, std::span<const Lame> lame);
 
 /// mu (g_a . g_b) V of each pair of corners of an element: the part of the stiffness that no rotation changes [N/m].
 /// @param pair  element * 16 + a * 4 + b
 double laplacian_entry(const Tet4Rest& rest, std::span<const double> moduli, std::uint32_t pair);
 
-/// Trace of the diagonal stiffness block of each vertex at rest [N/m].
-std::vector<double> stiffness_trace(const Tet4Rest& rest, std::span<const double> moduli);
+/// Adds the trace of the diagonal stiffness block of each vertex at rest [N/m].
+void add_stiffness_trace(const Tet4Rest& rest, std::span<const double> moduli, std::span<double> trace);
 
 }  // namespace supple::fem

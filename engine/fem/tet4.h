@@ -32,6 +32,7 @@ struct Tet4Pass {
     const double* position = nullptr;     ///< [vertex][3] [m]
 
     const double* plastic = nullptr;      ///< [block][xx yy zz xy yz zx][lane] plastic strain in the element's frame (tensor shears); null: none
+    const double* pressure = nullptr;     ///< [block][lane] added to the mean stress [Pa] (nodal_volume.h); null: none
     bool project = true;                  ///< twist: eigenvalues below zero are set to zero
 
     double* quaternion = nullptr;         ///< [block][w x y z][lane]: warm start in (polar), rotation of the element out
@@ -42,6 +43,7 @@ struct Tet4Pass {
     float* record_f = nullptr;            ///< out, element record (below), float32 or float64
     double* record_d = nullptr;
     double* energy = nullptr;             ///< out [block][lane] [J]
+    double* dilatation = nullptr;         ///< out [block][lane] tr(e)
     double* stress = nullptr;             ///< out [block][xx yy zz xy yz zx][lane], Cauchy [Pa]
 };
 
@@ -70,7 +72,9 @@ struct Tet4Product {
     const double* moduli = nullptr;
     const double* quaternion = nullptr;
     const double* twist = nullptr;        ///< as in Tet4Pass, or null
+    const double* pressure = nullptr;     ///< [block][lane] added to the mean stress, or null
     const double* field = nullptr;        ///< [vertex][3]
+    double* dilatation = nullptr;         ///< out [block][lane] tr(R^T dF); with it nothing else is computed
     double* corner_force = nullptr;       ///< out [element][corner][x y z 0]: (K d) corner by corner
 };
 
@@ -85,7 +89,7 @@ struct Tet4Assembly {
     const Real* record = nullptr;
     const Real* twist = nullptr;                 ///< twist records (Tet4Pass), or null
     const double* laplacian = nullptr;           ///< [block] sum of mu V g_a.g_b [N/m]
-    const double* diagonal_shift = nullptr;      ///< [row] added to the diagonal: (1 + h alpha) m
+    const double* diagonal_shift = nullptr;      ///< [row] added to the diagonal: (1 + h alpha) m; null: all is added to what `value` holds
     double stiffness_scale = 1;                  ///< h^2 + h beta
     Real* value = nullptr;                       ///< out [block][column 0..2][x y z 0]
 };

@@ -10,17 +10,10 @@
 ///      (Smith, De Goes, Kim, Analytic Eigensystems for Isotropic Distortion Energies, 2019).
 /// A tensor law takes F Q0 instead of the stretches in step 2, Q0 its material frame, and gives P and the nine by nine of dP/dF (laws/tensor_inversion.h).
 /// Families of fibres add their terms to any law (laws/fibres.h).
+#include "supple/fem/principal_laws.h"
 #include "supple/fem/tet4_hyper_tangents.h"
-#include "supple/material/laws/arruda_boyce.h"
 #include "supple/material/laws/costa.h"
 #include "supple/material/laws/fibres.h"
-#include "supple/material/laws/inversion.h"
-#include "supple/material/laws/mooney_rivlin.h"
-#include "supple/material/laws/neo_hookean.h"
-#include "supple/material/laws/ogden.h"
-#include "supple/material/laws/st_venant_kirchhoff.h"
-#include "supple/material/laws/stable_neo_hookean.h"
-#include "supple/material/laws/veronda_westman.h"
 #include "supple/material/laws/tensor_inversion.h"
 #include "supple/math/lane_polar.h"
 #include "supple/math/lane_svd.h"
@@ -28,45 +21,6 @@
 namespace supple::fem {
 inline namespace SUPPLE_ISA {
 namespace {
-
-/// Step 2. parameter: of these lanes, fields kBlock apart; [0] is the stiffness of the inversion.
-template <Law law>
-void apply_law(const double* parameter, std::size_t parameters, Principal& e) {
-    const auto field = [&](std::size_t i) { return load(parameter + i * kBlock); };
-    const Lanes k = field(0);
-    const Lanes p[3] = {parameters > 1 ? field(1) : k, parameters > 2 ? field(2) : k, parameters > 3 ? field(3) : k};
-    if constexpr (law == Law::st_venant_kirchhoff) st_venant_kirchhoff(p, e);
-    if constexpr (law == Law::stable_neo_hookean) stable_neo_hookean(p, e);
-    if constexpr (law == Law::neo_hookean) with_inversion(k, e, [&](Principal& x) { neo_hookean(p, x); });
-    if constexpr (law == Law::mooney_rivlin) with_inversion(k, e, [&](Principal& x) { mooney_rivlin(p, x); });
-    if constexpr (law == Law::arruda_boyce) with_inversion(k, e, [&](Principal& x) { arruda_boyce(p, x); });
-    if constexpr (law == Law::veronda_westman) with_inversion(k, e, [&](Principal& x) { veronda_westman(p, x); }, kExponentialFloor);
-    if constexpr (law == Law::ogden) {
-        with_inversion(k, e, [&](Principal& x) {
-            ogden_volume(field(1), x);
-            for (std::size_t i = 2; i + 1 < parameters; i += 2) ogden_term(field(i), field(i + 1), x);
-        });
-    }
-}
-
-/// Sets negative eigenvalues of d2W/dF2 to zero: the 3x3 of W_ij by its eigenvectors, the six quotients one by one.
-inline void project(Principal& e) {
-    const Lanes zero(0.0);
-    Matrix H, Q;
-    for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j) H.m[i][j] = e.second[i][j];
-    jacobi_eigen(H, Q);
-    const Lanes value[3] = {larger(H.m[0][0], zero), larger(H.m[1][1], zero), larger(H.m[2][2], zero)};
-    for (int i = 0; i < 3; ++i) {
-        for (int j = i; j < 3; ++j) {
-            Lanes sum(0.0);
-            for (int k = 0; k < 3; ++k) sum = sum + value[k] * Q.m[i][k] * Q.m[j][k];
-            e.second[i][j] = e.second[j][i] = sum;
-        }
-        e.symmetric[i] = larger(e.symmetric[i], zero);
-        e.antisymmetric[i] = larger(e.antisymmetric[i], zero);
-    }
-}
 
 /// Step 1, of the elements in the lanes from `at` on.
 struct Kinematics {
@@ -236,6 +190,8 @@ void assemble(const BlockAssembly<Real>& pass, std::size_t begin, std::size_t en
         for (std::int32_t block = pass.row_start[row]; block < pass.row_start[row + 1]; ++block) {
             const std::size_t column = std::size_t(pass.column[block]);
             if (column < row) continue;
+            const bool add = pass.diagonal_shift == nullptr;
+            if (add && pass.contribution_start[block] == pass.contribution_start[block + 1]) continue;
             R4 c[3] = {{0, 0, 0, 0}, {0, 0, 0, 0}, {0, 0, 0, 0}}, t[3] = {c[0], c[0], c[0]};
             for (std::int64_t i = pass.contribution_start[block]; i < pass.contribution_start[block + 1]; ++i) {
                 const std::uint32_t pair = pass.contribution[i];
@@ -247,10 +203,14 @@ void assemble(const BlockAssembly<Real>& pass, std::size_t begin, std::size_t en
             Real m[3][3];
             for (int i = 0; i < 3; ++i)
                 for (int j = 0; j < 3; ++j) m[i][j] = scale * (c[j][i] + t[i][j]);
-            if (column == row) {
+            if (column == row && !add) {
                 for (int i = 0; i < 3; ++i) m[i][i] += Real(pass.diagonal_shift[row]);
             }
             Real* value = pass.value + std::size_t(block) * 12;
+            if (add) {
+                for (int i = 0; i < 3; ++i)
+                    for (int j = 0; j < 3; ++j) m[i][j] += value[4 * j + i];
+            }
             Real* mirror = pass.value + std::size_t(pass.mirror[block]) * 12;
             for (int j = 0; j < 3; ++j) {
                 if (column != row) store4(mirror + 4 * j, R4{m[j][0], m[j][1], m[j][2], 0});

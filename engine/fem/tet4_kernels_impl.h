@@ -22,16 +22,6 @@ namespace supple::fem {
 inline namespace SUPPLE_ISA {
 namespace {
 
-/// Columns: x along the first edge, z across the plane of the first two, y completes; zero columns where an edge is gone.
-inline Matrix edge_frame(const Vector& first, const Vector& second) {
-    const Lanes one(1.0), tiny(1e-150);
-    const Vector x = (one / larger(root(dot(first, first)), tiny)) * first;
-    const Vector normal = cross(x, second);
-    const Vector z = (one / larger(root(dot(normal, normal)), tiny)) * normal;
-    const Vector y = cross(z, x);
-    return {{{x.x, y.x, z.x}, {x.y, y.y, z.y}, {x.z, y.z, z.z}}};
-}
-
 /// R of an element, and its quaternion. d: current edges from corner 0; g: rest gradients.
 template <Frame frame>
 inline Matrix find_rotation(const Matrix& F, const Vector d[3], const Vector g[3], Quat<Lanes>& q) {
@@ -62,8 +52,8 @@ inline Matrix load_symmetric(const double* field) {
     return A;
 }
 
-/// T of the top comment. Projected: not below zero, and s_i + s_j not below 0.1, where T would grow without bound near inversion.
-inline Matrix twist_stiffness(const Matrix& G, Lanes lambda, Lanes mu, Lanes trace, bool project) {
+/// T of the top comment; mean = lambda tr(S - I), the stress that no shear modulus has part in. Projected: not below zero, and s_i + s_j not below 0.1, where T would grow without bound near inversion.
+inline Matrix twist_stiffness(const Matrix& G, Lanes mu, Lanes mean, bool project) {
     const Lanes zero(0.0), two(2.0), half(0.5);
     Matrix S, Q;
     for (int i = 0; i < 3; ++i)
@@ -73,7 +63,7 @@ inline Matrix twist_stiffness(const Matrix& G, Lanes lambda, Lanes mu, Lanes tra
     for (int k = 0; k < 3; ++k) {
         Lanes sum = S.m[(k + 1) % 3][(k + 1) % 3] + S.m[(k + 2) % 3][(k + 2) % 3];
         if (project) sum = larger(sum, Lanes(0.1));
-        t[k] = two * mu + two * (lambda * trace - two * mu) / sum;
+        t[k] = two * mu + two * (mean - two * mu) / sum;
         if (project) t[k] = larger(t[k], zero);
     }
     Matrix T;
@@ -126,8 +116,15 @@ inline void elements(const Tet4Pass& pass, std::size_t begin, std::size_t end) {
             for (int i = 0; i < 3; ++i)
                 for (int j = 0; j < 3; ++j) S.m[i][j] = S.m[i][j] - two * mu * plastic.m[i][j];
         }
+        Lanes mean = lambda * trace;
+        if (pass.pressure != nullptr) {
+            const Lanes pressure = load(pass.pressure + at);
+            mean = mean + pressure;
+            for (int i = 0; i < 3; ++i) S.m[i][i] = S.m[i][i] + pressure;
+        }
         const Matrix P = R * S;
 
+        if (pass.dilatation != nullptr) store(pass.dilatation + at, trace);
         if (pass.corner_force != nullptr) {
             Vector f[4];
             corner_forces(P, g, V, f);
@@ -142,7 +139,7 @@ inline void elements(const Tet4Pass& pass, std::size_t begin, std::size_t end) {
         }
         if constexpr (frame == Frame::polar || frame == Frame::svd) {
             if (pass.twist != nullptr) {
-                const Matrix T = twist_stiffness(G, lambda, mu, trace, pass.project);
+                const Matrix T = twist_stiffness(G, mu, mean, pass.project);
                 double* twist = pass.twist + block * 6 * kBlock + lane;
                 for (int c = 0; c < 6; ++c) store(twist + std::size_t(c) * kBlock, T.m[kVoigtRow[c]][kVoigtColumn[c]]);
                 const Matrix RT = R * T;
@@ -230,7 +227,13 @@ inline void product(const Tet4Product& pass, std::size_t begin, std::size_t end)
 
         // dP = R (mu (G + G^T) + lambda tr(G) I), G = R^T dF
         const Matrix G = transposed_product(R, gradient(d, g));
-        const Lanes pressure = lambda * (G.m[0][0] + G.m[1][1] + G.m[2][2]);
+        const Lanes trace = G.m[0][0] + G.m[1][1] + G.m[2][2];
+        if (pass.dilatation != nullptr) {
+            store(pass.dilatation + at, trace);
+            continue;
+        }
+        Lanes pressure = lambda * trace;
+        if (pass.pressure != nullptr) pressure = pressure + load(pass.pressure + at);
         Matrix S;
         for (int i = 0; i < 3; ++i)
             for (int j = 0; j < 3; ++j) {
@@ -274,7 +277,9 @@ inline void assemble(const Tet4Assembly<Real>& pass, std::size_t begin, std::siz
         for (std::int32_t block = pass.row_start[row]; block < pass.row_start[row + 1]; ++block) {
             const std::size_t column = std::size_t(pass.column[block]);
             if (column < row) continue;  // written as a mirror
-            const Real shift = Real(pass.stiffness_scale * pass.laplacian[block] + (column == row ? pass.diagonal_shift[row] : 0.0));
+            const bool add = pass.diagonal_shift == nullptr;
+            if (add && pass.contribution_start[block] == pass.contribution_start[block + 1]) continue;
+            const Real shift = Real(pass.stiffness_scale * pass.laplacian[block] + (column == row && !add ? pass.diagonal_shift[row] : 0.0));
             R4 c0 = {0, 0, 0, 0}, c1 = c0, c2 = c0;
             const std::uint32_t* entry = pass.contribution + pass.contribution_start[block];
             const std::uint32_t* const last = pass.contribution + pass.contribution_start[block + 1];
@@ -295,6 +300,11 @@ inline void assemble(const Tet4Assembly<Real>& pass, std::size_t begin, std::siz
             c1[1] += shift;
             c2[2] += shift;
             Real* value = pass.value + std::size_t(block) * 12;
+            if (add) {
+                c0 += load4(value);
+                c1 += load4(value + 4);
+                c2 += load4(value + 8);
+            }
             store4(value, c0);
             store4(value + 4, c1);
             store4(value + 8, c2);

@@ -33,6 +33,16 @@ inline void load_gradients(const double* gradient, Vector g[3]) {
     }
 }
 
+/// Columns: x along the first edge, z across the plane of the first two, y completes; zero columns where an edge is gone.
+inline Matrix edge_frame(const Vector& first, const Vector& second) {
+    const Lanes one(1.0), tiny(1e-150);
+    const Vector x = (one / larger(root(dot(first, first)), tiny)) * first;
+    const Vector normal = cross(x, second);
+    const Vector z = (one / larger(root(dot(normal, normal)), tiny)) * normal;
+    const Vector y = cross(z, x);
+    return {{{x.x, y.x, z.x}, {x.y, y.y, z.y}, {x.z, y.z, z.z}}};
+}
+
 /// Writes four vectors per lane as [lane][corner][x y z w]; w given for corners 0 and 1, zero for the others.
 template <class Real>
 inline void store_corners(Real* out, const Vector v[4], Lanes w0, Lanes w1) {

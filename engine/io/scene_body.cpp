@@ -7,7 +7,6 @@ namespace supple::io {
 namespace {
 
 constexpr double kMostCells = 2e7;
-const char* const kNoHexes = "hexahedra cannot be simulated by this build; use tetrahedra";
 
 /// Runs `make`, putting the place in the scene before the message of what went wrong in a mesh.
 template <class Make>
@@ -33,10 +32,8 @@ VolumeMesh read_generated_box(const JsonNode& node) {
         total *= def.cells[axis];
     }
     if (total > kMostCells) cells.fail(cells.shown() + " makes " + to_text(total) + " cells, more than " + to_text(kMostCells));
-    if (node.has("elements") && node.at("elements").choice({"tets", "hexes"}) == "hexes") {
-        node.at("elements").unsupported(std::string(kNoHexes) + ": \"elements\": \"tets\"");
-    }
-    return at_pointer(node, [&] { return make_tet_box(def); });
+    const bool hexes = node.has("elements") && node.at("elements").choice({"tets", "hexes"}) == "hexes";
+    return at_pointer(node, [&] { return hexes ? make_hex_box(def) : make_tet_box(def); });
 }
 
 std::shared_ptr<const BodyTemplate> read_shape(const JsonNode& node, double scale, SceneContext& context) {
@@ -52,8 +49,6 @@ std::shared_ptr<const BodyTemplate> read_shape(const JsonNode& node, double scal
     auto& shape = context.shapes[{file.lexically_normal().string(), scale}];
     if (shape) return shape;
     VolumeMesh mesh = at_pointer(path, [&] { return read_mesh(file); });
-    if (!mesh.hexes.empty())
-        path.unsupported(std::string(kNoHexes) + " (" + file.string() + " has " + std::to_string(mesh.hexes.size()) + ")");
     shape = at_pointer(path, [&] { return BodyTemplate::build(std::move(mesh), scale); });
     return shape;
 }

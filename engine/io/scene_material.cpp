@@ -31,9 +31,9 @@ void require_linear_keys(const JsonNode& node) {
     for (const char* key : {"fibre", "sheet", "fibre_stiffness_pa", "fibre_exponent", "sheet_stiffness_pa", "sheet_exponent", "matrix_regularization"}) {
         if (node.has(key)) node.at(key).unsupported(std::string(key) + " belongs to the hyperelastic laws, whose stress knows the full strain; choose one of them, e.g. \"law\": \"NeoHookean\"");
     }
-    require_keys(node, {"law", "rotation", "young_pa", "poisson", "plastic_yield", "plastic_max", "plastic_creep_1_s"},
-                 {"integration", "mu_pa", "lambda_pa", "bulk_pa", "c1_pa", "c2_pa", "c2", "terms", "a_pa", "b"},
-                 "is not available for this law in this build; linear and corotational materials have law, rotation, young_pa, poisson and the plastic keys");
+    require_keys(node, {"law", "rotation", "integration", "young_pa", "poisson", "plastic_yield", "plastic_max", "plastic_creep_1_s", "volumetric"},
+                 {"mu_pa", "lambda_pa", "bulk_pa", "c1_pa", "c2_pa", "c2", "terms", "a_pa", "b"},
+                 "is not available for this law in this build; linear and corotational materials have law, rotation, integration, young_pa, poisson, volumetric and the plastic keys");
 }
 
 Rotation read_rotation(const JsonNode& node) {
@@ -45,6 +45,19 @@ void read_plasticity(const JsonNode& node, Plasticity& plasticity) {
     for (const auto& [key, value] : {std::pair{"plastic_yield", &plasticity.yield}, std::pair{"plastic_max", &plasticity.max},
                                      std::pair{"plastic_creep_1_s", &plasticity.creep_1_s}}) {
         if (node.has(key)) *value = node.at(key).number(0, 1e15);
+    }
+}
+
+/// What linear and corotational materials have besides young_pa and poisson.
+template <class Elastic>
+void read_elastic(const JsonNode& node, Elastic& m) {
+    read_plasticity(node, m.plasticity);
+    if (node.has("volumetric")) m.volumetric = node.at("volumetric").choice({"element", "nodal"}) == "nodal" ? Volumetric::nodal : Volumetric::element;
+    if (node.has("integration")) m.integration = node.at("integration").choice({"incompatible", "full"}) == "full" ? Integration::full : Integration::incompatible;
+    if constexpr (requires { m.rotation; }) {
+        if (node.has("rotation")) m.rotation = read_rotation(node.at("rotation"));
+    } else if (node.has("rotation")) {
+        node.at("rotation").fail("the linear law has no rotation: it is for small displacements; use \"corotational\"");
     }
 }
 
@@ -65,50 +78,40 @@ void read_material(const JsonNode& node, BodyDef& def) {
         return;
     }
     require_linear_keys(node);
-    Linear elastic;
-    if (node.has("young_pa")) read_constant_or_array(node.at("young_pa"), *def.shape, read_young, elastic.young_pa, def.young_pa_per_element);
-    if (node.has("poisson")) read_constant_or_array(node.at("poisson"), *def.shape, read_poisson, elastic.poisson, def.poisson_per_element);
-    read_plasticity(node, elastic.plasticity);
-    def.material = elastic;
-    if (name == "linear") {
-        if (node.has("rotation")) node.at("rotation").fail("the linear law has no rotation: it is for small displacements; use \"corotational\"");
-        return;
-    }
-    def.material = Corotational{node.has("rotation") ? read_rotation(node.at("rotation")) : Rotation::polar, elastic.young_pa, elastic.poisson, elastic.plasticity};
+    const auto read = [&](auto elastic) {
+        if (node.has("young_pa")) read_constant_or_array(node.at("young_pa"), *def.shape, read_young, elastic.young_pa, def.young_pa_per_element);
+        if (node.has("poisson")) read_constant_or_array(node.at("poisson"), *def.shape, read_poisson, elastic.poisson, def.poisson_per_element);
+        read_elastic(node, elastic);
+        def.material = elastic;
+    };
+    if (name == "linear") return read(Linear{});
+    read(Corotational{});
 }
 
 bool has_arrays(const BodyDef& def) {
     return !def.young_pa_per_element.empty() || !def.poisson_per_element.empty() || !def.material_per_element.empty();
 }
 
-/// Material of a region: what it does not name is the body's.
+/// Material of a region. What it does not name is the body's where that has the same law, else the law's default.
 Material read_region_material(const JsonNode& node, const BodyDef& def) {
-    const std::string body_law = law_name(def.material);
-    if (const std::string law = read_law(node, body_law.c_str()); law != body_law) {
-        node.at("law").unsupported("a region of this build changes the parameters, not the law: the body's is \"" + body_law + "\"");
-    }
+    const std::string body_law = law_name(def.material), law = read_law(node, body_law.c_str());
     if (has_arrays(def) && !node.has("law")) {
         node.fail("the body gives its parameters element by element, so what this region does not name has no single value; name its \"law\" and all of its parameters");
     }
-    if (is_hyperelastic(def.material)) {
+    const bool from_body = law == body_law && !has_arrays(def);
+    if (law != "corotational" && law != "linear") {
         if (has_lists(node)) node.fail("a region has one value of each parameter; lists per element belong to the body's material");
-        const Material base = has_arrays(def) ? default_hyperelastic(body_law) : def.material;
-        return read_hyperelastic(node, base, !has_arrays(def), def.shape->mesh().element_count());
+        return read_hyperelastic(node, from_body ? def.material : default_hyperelastic(law), from_body, def.shape->mesh().element_count());
     }
     require_linear_keys(node);
-    Material material = def.material;
+    Material material = from_body ? def.material : law == "linear" ? Material(Linear{}) : Material(Corotational{});
     const auto set = [&](auto& m) {
         if (node.has("young_pa")) m.young_pa = read_young(node.at("young_pa"));
         if (node.has("poisson")) m.poisson = read_poisson(node.at("poisson"));
-        read_plasticity(node, m.plasticity);
+        read_elastic(node, m);
     };
     if (auto* linear = std::get_if<Linear>(&material)) set(*linear);
-    if (auto* corotational = std::get_if<Corotational>(&material)) {
-        set(*corotational);
-        if (node.has("rotation") && read_rotation(node.at("rotation")) != corotational->rotation) {
-            node.at("rotation").unsupported("a region of this build changes the parameters; the rotation is the body's");
-        }
-    }
+    if (auto* corotational = std::get_if<Corotational>(&material)) set(*corotational);
     return material;
 }
 

@@ -157,6 +157,12 @@ Plasticity plasticity_of(const Material& material) {
     return {};
 }
 
+Volumetric volumetric_of(const Material& material) {
+    if (const auto* corotational = std::get_if<Corotational>(&material)) return corotational->volumetric;
+    if (const auto* linear = std::get_if<Linear>(&material)) return linear->volumetric;
+    return Volumetric::element;
+}
+
 Lame small_strain(const Material& material, const std::string& where) {
     return std::visit([&](const auto& law) { return small(law, where); }, material);
 }

@@ -28,12 +28,26 @@ struct Plasticity {
     bool flows() const { return yield < std::numeric_limits<double>::infinity(); }
 };
 
+/// Where a linear or corotational tetrahedron resists a change of volume.
+enum class Volumetric {
+    element,  ///< in each element: locks as Poisson's ratio nears 1/2, above 0.48 far too stiff
+    nodal,    ///< mostly as a mean around each vertex: does not lock, up to 0.4999; two to three times the cost of a solve (fem/nodal_volume.h)
+};
+
+/// How the stiffness of a hexahedron is made; tetrahedra have one way only. Both cost the same at run time.
+enum class Integration {
+    incompatible,  ///< bending and nearly incompressible matter without locking: twelve inner modes, condensed (fem/hex8_stiffness.h)
+    full,          ///< the trilinear displacements alone: far too stiff in bending and above nu = 0.45; for comparison with other programs
+};
+
 /// Small displacements:  W = mu e:e + lambda/2 tr(e)^2,  e = sym(F) - I. Rotations beyond a few degrees swell the body.
 /// Small strain: shear modulus mu, bulk modulus lambda + 2 mu/3.
 struct Linear {
     double young_pa = 1e5;  ///< Young's modulus, > 0
-    double poisson = 0.3;   ///< Poisson's ratio, in (-1, 0.5); plain tets lock above 0.48
+    double poisson = 0.3;   ///< Poisson's ratio, in (-1, 0.5); tets of Volumetric::element lock above 0.48
     Plasticity plasticity{};
+    Volumetric volumetric = Volumetric::element;          ///< of tetrahedra
+    Integration integration = Integration::incompatible;  ///< of hexahedra
 };
 
 /// Corotational linear elasticity: the same with e = sym(R^T F) - I, R the rotation of the element. For `polar` and `svd` that is
@@ -41,8 +55,10 @@ struct Linear {
 struct Corotational {
     Rotation rotation = Rotation::polar;
     double young_pa = 1e5;  ///< Young's modulus, > 0
-    double poisson = 0.3;   ///< Poisson's ratio, in (-1, 0.5); plain tets lock above 0.48
+    double poisson = 0.3;   ///< Poisson's ratio, in (-1, 0.5); tets of Volumetric::element lock above 0.48
     Plasticity plasticity{};
+    Volumetric volumetric = Volumetric::element;          ///< of tetrahedra
+    Integration integration = Integration::incompatible;  ///< of hexahedra
 };
 
 /// Derivative of a corotational tetrahedron's force (rotation polar or svd).
@@ -154,6 +170,8 @@ const Fibres* fibres_of(const Material& material);
 bool is_regularized(const Material& material);
 /// Plasticity of a linear or corotational material; that of the others is elastic.
 Plasticity plasticity_of(const Material& material);
+/// Volumetric of a linear or corotational material; that of the others is `element`.
+Volumetric volumetric_of(const Material& material);
 
 struct Lame {
     double lambda_pa = 0;

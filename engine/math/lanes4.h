@@ -5,6 +5,12 @@
 #error "only kernel units include this: define SUPPLE_ISA first"
 #endif
 
+#include <cstddef>
+#include <cstdint>
+#if defined(__AVX512F__) && defined(__AVX512BW__)
+#include <immintrin.h>
+#endif
+
 namespace supple {
 inline namespace SUPPLE_ISA {
 namespace {
@@ -33,6 +39,100 @@ inline void store4(Real* p, FourOf<Real> v) { *reinterpret_cast<FourOf<Real>*>(p
 
 template <int i, class V>
 inline V splat(V v) { return __builtin_shufflevector(v, v, i, i, i, i); }
+
+typedef std::int16_t Short8 __attribute__((vector_size(16)));
+typedef std::int32_t Int4 __attribute__((vector_size(16)));
+typedef std::int64_t Long2 __attribute__((vector_size(16)));
+
+/// Four 16-bit integers as floats; aligned to eight bytes, reads sixteen.
+inline Float4 widen4(const std::int16_t* p) {
+    Short8 v;
+    __builtin_memcpy(&v, p, sizeof v);
+    const Short8 zero = {0, 0, 0, 0, 0, 0, 0, 0};
+    const Int4 high = (Int4)__builtin_shufflevector(zero, v, 0, 8, 1, 9, 2, 10, 3, 11);  // in the upper halves
+    return __builtin_convertvector(high >> 16, Float4);
+}
+
+/// The nearest 16-bit integers of four numbers; what lies outside +-32767 is cut off there.
+inline void store_rounded4(std::int16_t* p, Float4 v) {
+    const Float4 most = {32767, 32767, 32767, 32767};
+    v = v < most ? v : most;
+    v = v > -most ? v : -most;
+    const Float4 shifted = v + 12582912.0f;  // 1.5 * 2^23: leaves the rounded integer in the low bits
+    const Short8 bits = (Short8)shifted;
+    const Long2 low = (Long2)__builtin_shufflevector(bits, bits, 0, 2, 4, 6, 0, 2, 4, 6);
+    __builtin_memcpy(p, &low, 8);
+}
+
+inline Float4 narrow(Float4 v) { return v; }
+inline Float4 narrow(Double4 v) { return __builtin_convertvector(v, Float4); }
+
+/// Twelve numbers times a factor, rounded to 16 bits.
+template <class Real>
+inline void store_rounded12(std::int16_t* to, const Real* from, float factor) {
+    for (std::size_t c = 0; c < 12; c += 4) store_rounded4(to + c, factor * narrow(load4(from + c)));
+}
+
+/// Sum of products of 3x3 blocks with vectors; a block is three columns x y z and a pad, twelve numbers. A row's products go to
+/// two sums in turn: an addition's latency is several products long.
+template <class Real>
+class BlockSum {
+public:
+    void add(const Real* block, const Real* x) {
+        const FourOf<Real> v = load4(x);
+        s0_ += load4(block) * splat<0>(v);
+        s1_ += load4(block + 4) * splat<1>(v);
+        s2_ += load4(block + 8) * splat<2>(v);
+    }
+    void add(const std::int16_t* block, const float* x) {
+        const Float4 v = load4(x);
+        s0_ += widen4(block) * splat<0>(v);
+        s1_ += widen4(block + 4) * splat<1>(v);
+        s2_ += widen4(block + 8) * splat<2>(v);
+    }
+    void merge(const BlockSum& other) {
+        s0_ += other.s0_;
+        s1_ += other.s1_;
+        s2_ += other.s2_;
+    }
+    FourOf<Real> total() const { return s0_ + s1_ + s2_; }
+
+private:
+    FourOf<Real> s0_ = {0, 0, 0, 0}, s1_ = {0, 0, 0, 0}, s2_ = {0, 0, 0, 0};
+};
+
+#if defined(__AVX512F__) && defined(__AVX512BW__)
+inline void store_rounded12(std::int16_t* to, const float* from, float factor) {
+    const __m512 v = _mm512_mul_ps(_mm512_maskz_loadu_ps(0x0fff, from), _mm512_set1_ps(factor));
+    const __m256i rounded = _mm512_cvtsepi32_epi16(_mm512_cvtps_epi32(v));
+    _mm_storeu_si128(reinterpret_cast<__m128i*>(to), _mm256_castsi256_si128(rounded));
+    _mm_storel_epi64(reinterpret_cast<__m128i*>(to + 8), _mm256_extracti128_si256(rounded, 1));
+}
+
+/// One multiplication per block: the columns side by side in one register, x y z spread over them.
+template <>
+class BlockSum<float> {
+public:
+    void add(const float* block, const float* x) { sum_ = _mm512_fmadd_ps(_mm512_maskz_loadu_ps(0x0fff, block), spread(x), sum_); }
+    /// Reads eight bytes past the block.
+    void add(const std::int16_t* block, const float* x) {
+        const __m512i wide = _mm512_cvtepi16_epi32(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(block)));
+        sum_ = _mm512_fmadd_ps(_mm512_cvtepi32_ps(wide), spread(x), sum_);
+    }
+    void merge(const BlockSum& other) { sum_ = _mm512_add_ps(sum_, other.sum_); }
+    Float4 total() const {
+        const __m256 low = _mm512_castps512_ps256(sum_);
+        return Float4(_mm_add_ps(_mm_add_ps(_mm256_castps256_ps128(low), _mm256_extractf128_ps(low, 1)), _mm512_extractf32x4_ps(sum_, 2)));
+    }
+
+private:
+    static __m512 spread(const float* x) {
+        const __m512i order = _mm512_set_epi32(3, 3, 3, 3, 2, 2, 2, 2, 1, 1, 1, 1, 0, 0, 0, 0);
+        return _mm512_permutevar_ps(_mm512_broadcast_f32x4(_mm_load_ps(x)), order);
+    }
+    __m512 sum_ = _mm512_setzero_ps();
+};
+#endif
 
 }  // namespace
 }  // namespace SUPPLE_ISA

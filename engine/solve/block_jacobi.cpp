@@ -7,7 +7,7 @@ namespace supple::solve {
 
 template <class Real>
 BlockJacobi<Real>::BlockJacobi(std::size_t rows, Isa isa)
-    : kernels_(bsr3_kernels<Real>(isa)), rows_(rows), inverse_(rows * 12), partial_(row_chunks(rows)) {}
+    : kernels_(bsr3_kernels<Real>(isa)), rows_(rows), inverse_(rows * 12), appended_(rows, Mat3::Zero()), partial_(row_chunks(rows)) {}
 
 namespace {
 
@@ -34,18 +34,21 @@ void write_inverse(const Mat3& D, Real* out) {
 template <class Real>
 void BlockJacobi<Real>::update(Team& team, const Bsr3<Real>& A, std::span<const AppendedRow> appended) {
     const Bsr3Pattern& p = *A.pattern;
-    team.for_range(rows_, kRowChunk, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t row = begin; row < end; ++row) {
-            write_inverse(read_block(A.value.data() + std::size_t(p.diagonal[row]) * 12), inverse_.data() + row * 12);
-        }
-    });
+    const auto invert = [&](std::size_t row) {
+        Mat3 D = read_block(A.value.data() + std::size_t(p.diagonal[row]) * 12) + appended_[row];
+        if (!this->coupling_diagonal.empty()) D += this->coupling_diagonal[row];
+        write_inverse(D, inverse_.data() + row * 12);
+    };
     for (const AppendedRow& extra : appended) {
         for (std::size_t i = 0; i < extra.row.size(); ++i) {
-            const std::size_t row = std::size_t(extra.row[i]);
-            const Mat3 D = read_block(A.value.data() + std::size_t(p.diagonal[row]) * 12) +
-                           Mat3(extra.weight[i].asDiagonal() * extra.stiffness * extra.weight[i].asDiagonal());
-            write_inverse(D, inverse_.data() + row * 12);
+            appended_[std::size_t(extra.row[i])] += extra.weight[i].asDiagonal() * extra.stiffness * extra.weight[i].asDiagonal();
         }
+    }
+    team.for_range(rows_, kRowChunk, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t row = begin; row < end; ++row) invert(row);
+    });
+    for (const AppendedRow& extra : appended) {
+        for (const std::int32_t row : extra.row) appended_[std::size_t(row)] = Mat3::Zero();
     }
 }
 

@@ -15,19 +15,61 @@ std::size_t find_block(const Bsr3Pattern& p, std::int32_t row, std::int32_t colu
     return std::size_t(at - p.column.begin());
 }
 
+/// The elements around each row.
+template <class Elements>
+struct Around {
+    Around(std::size_t rows, Elements given) : elements(given), start(rows + 1, 0) {
+        for (const auto& element : elements)
+            for (const std::int32_t v : element) ++start[std::size_t(v) + 1];
+        for (std::size_t i = 0; i < rows; ++i) start[i + 1] += start[i];
+        around.resize(std::size_t(start.back()));
+        std::vector<std::int64_t> next(start.begin(), start.end() - 1);
+        for (std::size_t e = 0; e < elements.size(); ++e)
+            for (const std::int32_t v : elements[e]) around[std::size_t(next[std::size_t(v)]++)] = std::uint32_t(e);
+    }
+    /// Appends the vertices of the elements around a row.
+    void append(std::size_t row, std::vector<std::int32_t>& out) const {
+        for (std::int64_t k = start[row]; k < start[row + 1]; ++k) {
+            const auto& element = elements[around[std::size_t(k)]];
+            out.insert(out.end(), element.begin(), element.end());
+        }
+    }
+    Elements elements;
+    std::vector<std::int64_t> start;
+    std::vector<std::uint32_t> around;
+};
+
+template <std::size_t corners>
+GatherMap gather_map(const Bsr3Pattern& pattern, std::span<const std::array<std::int32_t, corners>> elements) {
+    GatherMap map;
+    map.start.assign(pattern.blocks() + 1, 0);
+    std::vector<std::int32_t> block_of_pair(elements.size() * corners * corners, -1);
+    for (std::size_t e = 0; e < elements.size(); ++e) {
+        for (std::size_t a = 0; a < corners; ++a) {
+            for (std::size_t b = 0; b < corners; ++b) {
+                const std::int32_t row = elements[e][a], column = elements[e][b];
+                if (column < row) continue;
+                const std::size_t block = find_block(pattern, row, column);
+                block_of_pair[(e * corners + a) * corners + b] = std::int32_t(block);
+                ++map.start[block + 1];
+            }
+        }
+    }
+    for (std::size_t b = 0; b < pattern.blocks(); ++b) map.start[b + 1] += map.start[b];
+    map.pair.resize(std::size_t(map.start.back()));
+    std::vector<std::int64_t> next(map.start.begin(), map.start.end() - 1);
+    for (std::size_t pair = 0; pair < block_of_pair.size(); ++pair) {
+        if (block_of_pair[pair] >= 0) map.pair[std::size_t(next[std::size_t(block_of_pair[pair])]++)] = std::uint32_t(pair);
+    }
+    return map;
+}
+
 }  // namespace
 
-Bsr3Pattern make_pattern(std::size_t rows, std::span<const std::array<std::int32_t, 4>> elements) {
-    // Elements around each row, then the sorted union of their vertices.
-    std::vector<std::int64_t> start(rows + 1, 0);
-    for (const auto& element : elements)
-        for (const std::int32_t v : element) ++start[std::size_t(v) + 1];
-    for (std::size_t i = 0; i < rows; ++i) start[i + 1] += start[i];
-    std::vector<std::uint32_t> around(elements.size() * 4);
-    std::vector<std::int64_t> next(start.begin(), start.end() - 1);
-    for (std::size_t e = 0; e < elements.size(); ++e)
-        for (const std::int32_t v : elements[e]) around[std::size_t(next[std::size_t(v)]++)] = std::uint32_t(e);
-
+Bsr3Pattern make_pattern(std::size_t rows, Fours fours, Eights eights) {
+    // A row is the sorted union of the vertices of the elements around it.
+    const Around<Fours> around_fours(rows, fours);
+    const Around<Eights> around_eights(rows, eights);
     Bsr3Pattern p;
     p.rows = rows;
     p.row_start.reserve(rows + 1);
@@ -36,10 +78,8 @@ Bsr3Pattern make_pattern(std::size_t rows, std::span<const std::array<std::int32
     std::vector<std::int32_t> row;
     for (std::size_t i = 0; i < rows; ++i) {
         row.assign(1, std::int32_t(i));
-        for (std::int64_t k = start[i]; k < start[i + 1]; ++k) {
-            const auto& element = elements[around[std::size_t(k)]];
-            row.insert(row.end(), element.begin(), element.end());
-        }
+        around_fours.append(i, row);
+        around_eights.append(i, row);
         std::sort(row.begin(), row.end());
         row.erase(std::unique(row.begin(), row.end()), row.end());
         const auto diagonal = std::lower_bound(row.begin(), row.end(), std::int32_t(i));
@@ -56,28 +96,7 @@ Bsr3Pattern make_pattern(std::size_t rows, std::span<const std::array<std::int32
     return p;
 }
 
-GatherMap make_gather_map(const Bsr3Pattern& pattern, std::span<const std::array<std::int32_t, 4>> elements) {
-    GatherMap map;
-    map.start.assign(pattern.blocks() + 1, 0);
-    std::vector<std::int32_t> block_of_pair(elements.size() * 16, -1);
-    for (std::size_t e = 0; e < elements.size(); ++e) {
-        for (std::size_t a = 0; a < 4; ++a) {
-            for (std::size_t b = 0; b < 4; ++b) {
-                const std::int32_t row = elements[e][a], column = elements[e][b];
-                if (column < row) continue;
-                const std::size_t block = find_block(pattern, row, column);
-                block_of_pair[e * 16 + a * 4 + b] = std::int32_t(block);
-                ++map.start[block + 1];
-            }
-        }
-    }
-    for (std::size_t b = 0; b < pattern.blocks(); ++b) map.start[b + 1] += map.start[b];
-    map.pair.resize(std::size_t(map.start.back()));
-    std::vector<std::int64_t> next(map.start.begin(), map.start.end() - 1);
-    for (std::size_t pair = 0; pair < block_of_pair.size(); ++pair) {
-        if (block_of_pair[pair] >= 0) map.pair[std::size_t(next[std::size_t(block_of_pair[pair])]++)] = std::uint32_t(pair);
-    }
-    return map;
-}
+GatherMap make_gather_map(const Bsr3Pattern& pattern, Fours elements) { return gather_map<4>(pattern, elements); }
+GatherMap make_gather_map(const Bsr3Pattern& pattern, Eights elements) { return gather_map<8>(pattern, elements); }
 
 }  // namespace supple::solve

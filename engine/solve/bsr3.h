@@ -21,12 +21,17 @@ struct Bsr3Pattern {
 /// Which element pairs make up each block on or above the diagonal: assembly as a gather, deterministic and without atomics.
 struct GatherMap {
     std::vector<std::int64_t> start;       ///< [block + 1]; empty ranges below the diagonal
-    std::vector<std::uint32_t> pair;       ///< element * 16 + corner_of_row * 4 + corner_of_column, elements ascending
+    std::vector<std::uint32_t> pair;       ///< (element * N + corner_of_row) * N + corner_of_column of elements with N corners, elements ascending
 };
 
-/// Pattern and gather map of elements with four vertices. At most 2^28 elements.
-Bsr3Pattern make_pattern(std::size_t rows, std::span<const std::array<std::int32_t, 4>> elements);
-GatherMap make_gather_map(const Bsr3Pattern& pattern, std::span<const std::array<std::int32_t, 4>> elements);
+/// Index lists of elements with four and with eight vertices: at most 2^28 and 2^26.
+using Fours = std::span<const std::array<std::int32_t, 4>>;
+using Eights = std::span<const std::array<std::int32_t, 8>>;
+
+Bsr3Pattern make_pattern(std::size_t rows, Fours fours, Eights eights = {});
+/// Of elements that the pattern was made with, all or some of one kind.
+GatherMap make_gather_map(const Bsr3Pattern& pattern, Fours elements);
+GatherMap make_gather_map(const Bsr3Pattern& pattern, Eights elements);
 
 /// Rows per chunk of every loop over rows: fixed, so that sums are the same for any number of threads.
 inline constexpr std::size_t kRowChunk = 512;

@@ -13,26 +13,45 @@ inline double dot4(R4 a, R4 b) {
     return (double(a[0]) * double(b[0]) + double(a[1]) * double(b[1])) + double(a[2]) * double(b[2]);
 }
 
+/// Sum over the blocks [first, last) of one row of value[block] x[column[block]].
+template <class Value, class Real>
+inline FourOf<Real> block_row(const Value* value, const std::int32_t* column, std::int32_t first, std::int32_t last, const Real* x) {
+    BlockSum<Real> even, odd;
+    std::int32_t block = first;
+    for (; block + 1 < last; block += 2) {
+        even.add(value + std::size_t(block) * 12, x + std::size_t(column[block]) * 4);
+        odd.add(value + std::size_t(block) * 12 + 12, x + std::size_t(column[block + 1]) * 4);
+    }
+    if (block < last) even.add(value + std::size_t(block) * 12, x + std::size_t(column[block]) * 4);
+    even.merge(odd);
+    return even.total();
+}
+
 template <class Real>
 double multiply(const std::int32_t* row_start, const std::int32_t* column, const Real* value, const Real* x, Real* y, std::size_t begin,
                 std::size_t end) {
-    using R4 = FourOf<Real>;
     double sum = 0;
     for (std::size_t row = begin; row < end; ++row) {
-        R4 s0 = {0, 0, 0, 0}, s1 = s0, s2 = s0;  // three chains: an addition's latency is several products long
-        const std::int32_t last = row_start[row + 1];
-        for (std::int32_t block = row_start[row]; block < last; ++block) {
-            const Real* a = value + std::size_t(block) * 12;
-            const R4 v = load4(x + std::size_t(column[block]) * 4);
-            s0 += load4(a) * splat<0>(v);
-            s1 += load4(a + 4) * splat<1>(v);
-            s2 += load4(a + 8) * splat<2>(v);
-        }
-        const R4 s = s0 + s1 + s2;
+        const auto s = block_row(value, column, row_start[row], row_start[row + 1], x);
         store4(y + row * 4, s);
         sum += dot4(load4(x + row * 4), s);
     }
     return sum;
+}
+
+template <class Real>
+void multiply_two(const std::int32_t* row_start, const std::int32_t* column, const Real* value, const Real* x, const Real* u, Real* y, Real* v,
+                  std::size_t begin, std::size_t end) {
+    for (std::size_t row = begin; row < end; ++row) {
+        BlockSum<Real> first, second;
+        for (std::int32_t block = row_start[row]; block < row_start[row + 1]; ++block) {
+            const Real* a = value + std::size_t(block) * 12;
+            first.add(a, x + std::size_t(column[block]) * 4);
+            second.add(a, u + std::size_t(column[block]) * 4);
+        }
+        store4(y + row * 4, first.total());
+        store4(v + row * 4, second.total());
+    }
 }
 
 template <class Real>
@@ -66,7 +85,7 @@ void turn(Real beta, const Real* z, Real* p, std::size_t begin, std::size_t end)
 }
 
 template <class Real>
-inline constexpr Bsr3Kernels<Real> kKernels{multiply<Real>, advance<Real>, block_diagonal<Real>, turn<Real>};
+inline constexpr Bsr3Kernels<Real> kKernels{multiply<Real>, multiply_two<Real>, advance<Real>, block_diagonal<Real>, turn<Real>};
 
 }  // namespace
 }  // namespace SUPPLE_ISA

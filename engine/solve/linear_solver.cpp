@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "supple/base/clock.h"
 #include "supple/solve/chunked_sum.h"
 
 namespace supple::solve {
@@ -14,6 +15,25 @@ template <class Real>
 constexpr double kPassGain = sizeof(Real) == 4 ? 1e-5 : 1e-14;
 
 constexpr int kMaxPasses = 8;
+
+/// y += J^T K J x for every row; returns the sum of their x . J^T K J x.
+template <class Real>
+double add_appended(std::span<const AppendedRow> appended, const Real* x, Real* y) {
+    double dot = 0;
+    for (const AppendedRow& extra : appended) {
+        Vec3 mean = Vec3::Zero();
+        for (std::size_t i = 0; i < extra.row.size(); ++i) {
+            const Real* v = x + std::size_t(extra.row[i]) * 4;
+            mean += extra.weight[i].cwiseProduct(Vec3(double(v[0]), double(v[1]), double(v[2])));
+        }
+        const Vec3 force = extra.stiffness * mean;
+        for (std::size_t i = 0; i < extra.row.size(); ++i) {
+            for (int c = 0; c < 3; ++c) y[std::size_t(extra.row[i]) * 4 + std::size_t(c)] += Real(extra.weight[i][c] * force[c]);
+        }
+        dot += mean.dot(force);
+    }
+    return dot;
+}
 
 }  // namespace
 
@@ -52,22 +72,12 @@ double LinearSolver<Real>::square(Team& team, const Real* v) {
 template <class Real>
 double LinearSolver<Real>::multiply(Team& team, const Bsr3<Real>& A, std::span<const AppendedRow> appended, const Real* x, Real* y) {
     const Bsr3Pattern& p = *A.pattern;
-    double dot = sum_over_rows(team, rows_, partial_, [&](std::size_t begin, std::size_t end) {
+    const double dot = sum_over_rows(team, rows_, partial_, [&](std::size_t begin, std::size_t end) {
         return kernels_.multiply(p.row_start.data(), p.column.data(), A.value.data(), x, y, begin, end);
     });
-    for (const AppendedRow& extra : appended) {
-        Vec3 mean = Vec3::Zero();
-        for (std::size_t i = 0; i < extra.row.size(); ++i) {
-            const Real* v = x + std::size_t(extra.row[i]) * 4;
-            mean += extra.weight[i].cwiseProduct(Vec3(double(v[0]), double(v[1]), double(v[2])));
-        }
-        const Vec3 force = extra.stiffness * mean;
-        for (std::size_t i = 0; i < extra.row.size(); ++i) {
-            for (int c = 0; c < 3; ++c) y[std::size_t(extra.row[i]) * 4 + std::size_t(c)] += Real(extra.weight[i][c] * force[c]);
-        }
-        dot += mean.dot(force);
-    }
-    return dot;
+    double sum = dot + add_appended(appended, x, y);
+    if (coupling_ != nullptr) sum += coupling_->multiply_add(team, x, y);
+    return sum;
 }
 
 /// Leaves in r_ the residual of the best start and adds that start to x. On entry r_ = b.
@@ -75,13 +85,23 @@ template <class Real>
 void LinearSolver<Real>::warm_start(Team& team, const Bsr3<Real>& A, std::span<const AppendedRow> appended,
                                     std::span<const std::span<const Vec3>> guesses, std::span<Vec3> x) {
     if (guesses.empty()) return;
-    // p_ = A g0, q_ = A g1 (through d_): the residuals of 0, g0 and 2 g0 - g1 are r, r - p and r - 2p + q.
-    import(team, guesses[0], d_.data());
-    multiply(team, A, appended, d_.data(), p_.data());
+    // p_ = A g0, q_ = A g1: the residuals of 0, g0 and 2 g0 - g1 are r, r - p and r - 2p + q.
     const bool two = guesses.size() > 1;
+    import(team, guesses[0], d_.data());
     if (two) {
-        import(team, guesses[1], d_.data());
-        multiply(team, A, appended, d_.data(), q_.data());
+        import(team, guesses[1], z_.data());
+        const Bsr3Pattern& p = *A.pattern;
+        team.for_range(rows_, kRowChunk, [&](std::size_t begin, std::size_t end) {
+            kernels_.multiply_two(p.row_start.data(), p.column.data(), A.value.data(), d_.data(), z_.data(), p_.data(), q_.data(), begin, end);
+        });
+        add_appended(appended, z_.data(), q_.data());
+        add_appended(appended, d_.data(), p_.data());
+        if (coupling_ != nullptr) {
+            coupling_->multiply_add(team, z_.data(), q_.data());
+            coupling_->multiply_add(team, d_.data(), p_.data());
+        }
+    } else {
+        multiply(team, A, appended, d_.data(), p_.data());
     }
     const double zero = square(team, r_.data());
     auto residual_square = [&](Real a, Real b) {
@@ -112,17 +132,25 @@ void LinearSolver<Real>::warm_start(Team& team, const Bsr3<Real>& A, std::span<c
     });
 }
 
-/// A d = r from d = 0 until the recurrence has |r| <= target. Returns the iterations; d_ and r_ hold the result.
+/// A d = r from d = 0 until the recurrence has |r| <= target; d_ and r_ hold the result.
 template <class Real>
-int LinearSolver<Real>::conjugate_gradients(Team& team, const Bsr3<Real>& A, std::span<const AppendedRow> appended,
-                                            Preconditioner<Real>& preconditioner, double target, int max_iterations) {
+void LinearSolver<Real>::conjugate_gradients(Team& team, const Bsr3<Real>& A, std::span<const AppendedRow> appended,
+                                             Preconditioner<Real>& preconditioner, double target, const LinearSolveDef& def,
+                                             LinearSolveResult& result) {
     team.for_range(rows_, kRowChunk, [&](std::size_t begin, std::size_t end) {
         std::fill(d_.begin() + std::ptrdiff_t(begin * 4), d_.begin() + std::ptrdiff_t(end * 4), Real(0));
     });
     double rz = 0;
-    for (int iteration = 0; iteration < max_iterations; ++iteration) {
+    for (int iteration = 0; result.iterations < def.max_iterations; ++iteration) {
+        if (def.deadline_ns != 0 && now_ns() > def.deadline_ns) {
+            result.out_of_time = true;
+            return;
+        }
         const double rz_new = preconditioner.apply(team, r_.data(), z_.data());
-        if (!(rz_new > 0)) return iteration;  // zero residual, or not a number
+        if (!(rz_new > 0)) {  // zero residual, not a number, or a preconditioner that has lost its way
+            result.breakdown = rz_new < 0;
+            return;
+        }
         const Real beta = iteration == 0 ? Real(0) : Real(rz_new / rz);
         rz = rz_new;
         team.for_range(rows_, kRowChunk, [&](std::size_t begin, std::size_t end) {
@@ -133,14 +161,14 @@ int LinearSolver<Real>::conjugate_gradients(Team& team, const Bsr3<Real>& A, std
             }
         });
         const double curvature = multiply(team, A, appended, p_.data(), q_.data());
-        if (!(curvature > 0)) return iteration;  // p = 0 in this precision, or not a number
+        if (!(curvature > 0)) return;  // p = 0 in this precision, or not a number
         const Real alpha = Real(rz / curvature);
         const double rr = sum_over_rows(team, rows_, partial_, [&](std::size_t begin, std::size_t end) {
             return kernels_.advance(alpha, p_.data(), q_.data(), d_.data(), r_.data(), begin, end);
         });
-        if (!(std::sqrt(rr) > target)) return iteration + 1;
+        ++result.iterations;
+        if (!(std::sqrt(rr) > target)) return;
     }
-    return max_iterations;
 }
 
 template <class Real>
@@ -158,7 +186,7 @@ LinearSolveResult LinearSolver<Real>::solve(Team& team, const Bsr3<Real>& A, std
         if (recurrence > def.target && result.iterations < def.max_iterations) {
             // A little below the target: the pass is worth nothing if rounding leaves it a hair above.
             const double goal = std::max(0.9 * def.target, kPassGain<Real> * recurrence);
-            result.iterations += conjugate_gradients(team, A, appended, preconditioner, goal, def.max_iterations - result.iterations);
+            conjugate_gradients(team, A, appended, preconditioner, goal, def, result);
             team.for_range(rows_, kRowChunk, [&](std::size_t begin, std::size_t end) {
                 for (std::size_t i = begin; i < end; ++i) x[i] += Vec3(double(d_[4 * i]), double(d_[4 * i + 1]), double(d_[4 * i + 2]));
             });
@@ -170,7 +198,9 @@ LinearSolveResult LinearSolver<Real>::solve(Team& team, const Bsr3<Real>& A, std
             return s;
         }));
         result.converged = result.residual <= def.target;
-        if (result.converged || result.iterations >= def.max_iterations || !std::isfinite(result.residual)) return result;
+        if (result.converged) result.breakdown = result.out_of_time = false;
+        if (result.converged || result.breakdown || result.out_of_time) return result;
+        if (result.iterations >= def.max_iterations || !std::isfinite(result.residual)) return result;
         if (pass + 1 >= kMaxPasses || result.residual > 0.5 * last_true) {
             result.stalled = true;
             return result;

@@ -10,6 +10,7 @@ namespace supple::solve {
 struct LinearSolveDef {
     double target = 0;             ///< stop at |r| <= target, in float64
     int max_iterations = 2000;     ///< over all passes
+    std::int64_t deadline_ns = 0;  ///< on the clock of now_ns(), base/clock.h: no iteration begins after it; 0 = none
 };
 
 struct LinearSolveResult {
@@ -17,6 +18,8 @@ struct LinearSolveResult {
     double residual = 0;           ///< |b - A x|, from the true float64 residual
     bool converged = false;
     bool stalled = false;          ///< a pass no longer lowers the true residual: the precision of the matrix is used up
+    bool breakdown = false;        ///< the preconditioner was not positive: nothing wrong with x, but another one must go on
+    bool out_of_time = false;      ///< the deadline passed first
 };
 
 /// Solves A x = b for a symmetric positive definite A by preconditioned conjugate gradients inside iterative refinement.
@@ -38,17 +41,21 @@ public:
                             std::span<const Vec3> b, std::span<const std::span<const Vec3>> guesses, const LinearSolveDef& def,
                             FunctionRef<void(const Vec3* x, Vec3* r)> true_residual, std::span<Vec3> x, std::span<Vec3> residual);
 
-    /// y = (A + appended) x; returns x . y.  [row][x y z 0]
+    /// Adds an operator to the matrix of the solves to come; null: none.
+    void set_coupling(Coupling<Real>* coupling) { coupling_ = coupling; }
+
+    /// y = (A + appended + coupling) x; returns x . y.  [row][x y z 0]
     double multiply(Team& team, const Bsr3<Real>& A, std::span<const AppendedRow> appended, const Real* x, Real* y);
 
 private:
     void warm_start(Team& team, const Bsr3<Real>& A, std::span<const AppendedRow> appended,
                     std::span<const std::span<const Vec3>> guesses, std::span<Vec3> x);
-    int conjugate_gradients(Team& team, const Bsr3<Real>& A, std::span<const AppendedRow> appended, Preconditioner<Real>& preconditioner,
-                            double target, int max_iterations);
+    void conjugate_gradients(Team& team, const Bsr3<Real>& A, std::span<const AppendedRow> appended, Preconditioner<Real>& preconditioner,
+                             double target, const LinearSolveDef& def, LinearSolveResult& result);
     void import(Team& team, std::span<const Vec3> from, Real* to) const;
     double square(Team& team, const Real* v);
 
+    Coupling<Real>* coupling_ = nullptr;
     const Bsr3Kernels<Real>& kernels_;
     std::size_t rows_;
     AlignedVector<Real> d_, r_, p_, q_, z_;  ///< [row][x y z 0]

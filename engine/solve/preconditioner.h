@@ -18,6 +18,15 @@ struct AppendedRow {
     Mat3 stiffness = Mat3::Zero();   ///< symmetric positive semidefinite
 };
 
+/// What the matrix lacks because its pattern cannot hold it: a symmetric positive semidefinite operator beside it.
+template <class Real>
+class Coupling {
+public:
+    virtual ~Coupling() = default;
+    /// y += B x; returns x . B x.  [row][x y z 0]
+    virtual double multiply_add(Team& team, const Real* x, Real* y) = 0;
+};
+
 /// z = P^-1 r for conjugate gradients: symmetric positive definite, the same in every call between two updates.
 template <class Real>
 class Preconditioner {
@@ -28,6 +37,9 @@ public:
     /// @param r, z  [row][x y z 0]
     /// @return      r . z
     virtual double apply(Team& team, const Real* r, Real* z) = 0;
+
+    /// Diagonal blocks of a Coupling, one per row, taken in with every update; empty: none. They stay with the caller.
+    std::span<const Mat3> coupling_diagonal;
 };
 
 /// Inverse of each 3x3 diagonal block.
@@ -42,6 +54,7 @@ private:
     const Bsr3Kernels<Real>& kernels_;
     std::size_t rows_;
     AlignedVector<Real> inverse_;   ///< [row][column][x y z 0]
+    std::vector<Mat3> appended_;    ///< [row] diagonal of appended rows; zero between updates
     std::vector<double> partial_;
 };
 

@@ -4,10 +4,10 @@
 #include <cmath>
 
 #include "supple/base/error.h"
-#include "supple/fem/rest.h"
 #include "supple/fem/stress.h"
 #include "supple/solve/chunked_sum.h"
 #include "supple/world/body_materials.h"
+#include "supple/world/precondition.h"
 
 namespace supple {
 
@@ -36,9 +36,78 @@ namespace {
     throw Error(ErrorCode::invalid_argument, "BodyDef." + field, message);
 }
 
-void size_workspace(Workspace& w, const TemplateData& data) {
-    const std::size_t n = data.rest.vertices;
-    w.corner.resize(data.rest.blocks() * fem::kBlock * 16);
+/// True if the template's groups do: no kind of element has two families of laws.
+bool one_family_per_kind(const fem::ElementLayout& layout, const std::vector<std::int32_t>& family) {
+    for (const fem::ElementGroup& group : layout.groups)
+        for (const std::int32_t e : group.element)
+            if (family[std::size_t(e)] != family[std::size_t(group.element[0])]) return false;
+    return true;
+}
+
+/// What apply_materials swaps in.
+struct Matter {
+    std::unique_ptr<const GroupedLayout> layout;  ///< as Body::own_layout
+    std::unique_ptr<fem::Elements> elements;
+};
+
+Matter make_matter(const TemplateData& data, const fem::ElementMaterials& materials, const WorldDef& world, Isa isa) {
+    Matter matter;
+    const std::vector<std::int32_t> family = materials.families(data.layout.elements);
+    if (!one_family_per_kind(data.layout, family)) {
+        GroupedLayout own;
+        own.layout = fem::make_layout(data.mesh, family);
+        own.gather = make_gather_maps(data.mesh, data.pattern, own.layout);
+        matter.layout = std::make_unique<const GroupedLayout>(std::move(own));
+    }
+    fem::ElementsDef def;
+    def.layout = matter.layout ? &matter.layout->layout : &data.layout;
+    def.pattern = {data.pattern.row_start, data.pattern.column, data.pattern.mirror};
+    for (const solve::GatherMap& map : matter.layout ? matter.layout->gather : data.gather) def.contributions.push_back({map.start, map.pair});
+    def.precision = world.solver.precision == Precision::single ? fem::MatrixPrecision::single : fem::MatrixPrecision::double_;
+    def.isa = isa;
+    def.exact_rotation = world.solver.tangent == Tangent::exact;
+    matter.elements = fem::make_elements(def, materials);
+    return matter;
+}
+
+/// [block][fields][lane] of each element, from its place in one layout to that in another. Free lanes get `filler`, a number per field.
+void lay_again(AlignedVector<double>& values, std::span<const double> filler, const fem::ElementLayout& from, const fem::ElementLayout& to) {
+    const std::size_t fields = filler.size();
+    AlignedVector<double> laid(to.blocks * fields * fem::kBlock);
+    for (std::size_t i = 0; i < laid.size(); ++i) laid[i] = filler[i / fem::kBlock % fields];
+    const auto place = [&](std::size_t slot, std::size_t k) { return (slot / fem::kBlock * fields + k) * fem::kBlock + slot % fem::kBlock; };
+    for (std::size_t e = 0; e < to.elements; ++e) {
+        for (std::size_t k = 0; k < fields; ++k) laid[place(to.slot[e], k)] = values[place(from.slot[e], k)];
+    }
+    values = std::move(laid);
+}
+
+/// Element rotations and plastic strains where the new elements look for them. Plastic strain stays while the body can flow, and is forgotten where it cannot.
+void lay_state_again(BodyState& state, const fem::ElementLayout& from, const fem::ElementLayout& to, bool is_plastic) {
+    constexpr double kNoTurn[4] = {1, 0, 0, 0}, kNoStrain[6] = {};
+    if (from.slot != to.slot || from.blocks != to.blocks) {
+        lay_again(state.quaternion, kNoTurn, from, to);
+        lay_again(state.hierarchy_quaternion, kNoTurn, from, to);
+        if (!state.plastic.empty()) lay_again(state.plastic, kNoStrain, from, to);
+    }
+    const std::size_t plastic = is_plastic ? to.blocks * 6 * fem::kBlock : 0;
+    if (state.plastic.size() != plastic) state.plastic.assign(plastic, 0.0);
+    state.solver.assign(kMemoryCount, 0);
+}
+
+void couple_elements(Body& body) {
+    const auto couple = [&](auto& system) {
+        using Real = typename std::remove_reference_t<decltype(system)>::Scalar;
+        system.coupling.reset();
+        if (body.elements->is_coupled()) system.coupling = std::make_unique<ElementCoupling<Real>>(body);
+        system.solver.set_coupling(system.coupling.get());
+    };
+    with_system(body, couple);
+}
+
+void size_workspace(Workspace& w, const fem::ElementLayout& layout) {
+    const std::size_t n = layout.vertices;
+    w.corner.resize(layout.places * 4);
     for (auto* field : {&w.base_x, &w.base_v, &w.y, &w.v0, &w.v_start, &w.f_ext, &w.b, &w.rhs, &w.free_rhs, &w.dv, &w.residual, &w.product}) {
         field->assign(n, Vec3::Zero());
     }
@@ -51,29 +120,30 @@ void size_workspace(Workspace& w, const TemplateData& data) {
 void apply_materials(Body& body, const BodyDef& def, const WorldDef& world, Isa isa) {
     const TemplateData& data = body.data();
     const BodyMaterials materials = resolve_materials(def, data.mesh);
-    fem::ElementsDef elements_def;
-    elements_def.rest = &data.rest;
-    elements_def.corners = &data.corners;
-    elements_def.lists = {data.pattern.row_start, data.pattern.column, data.pattern.mirror, data.gather.start, data.gather.pair};
-    elements_def.precision = world.solver.precision == Precision::single ? fem::MatrixPrecision::single : fem::MatrixPrecision::double_;
-    elements_def.isa = isa;
-    elements_def.exact_rotation = world.solver.tangent == Tangent::exact;
-    auto elements = fem::make_elements(elements_def, materials.elements);
-    auto mass = fem::lumped_mass(data.rest, materials.density_kg_m3);
-    auto trace = fem::stiffness_trace(data.rest, fem::make_moduli(data.rest, fem::element_lame(materials.elements, data.rest.elements)));
-    auto young = element_young(materials.elements, data.rest.elements);
+    Matter matter = make_matter(data, materials.elements, world, isa);
+    auto mass = fem::lumped_mass(data.mesh, materials.density_kg_m3);
+    std::vector<Lame> lame(data.layout.elements);
+    for (std::size_t e = 0; e < lame.size(); ++e) lame[e] = materials.elements.lame_of(e);
+    auto trace = fem::stiffness_trace(data.layout, lame);
+    auto young = young_moduli(lame);
     BodyDef kept = def;
+
     std::swap(body.def, kept);
-    body.elements = std::move(elements);
     body.mass = std::move(mass);
     body.stiffness_trace = std::move(trace);
     body.young_pa = std::move(young);
-    // Plastic strain stays while the body can flow, and is forgotten where it cannot.
-    const std::size_t plastic = body.elements->is_plastic() ? data.rest.blocks() * 6 * fem::kBlock : 0;
-    for (BodyState* state : {&body.state, &body.start}) {
-        if (state->plastic.size() != plastic) state->plastic.assign(plastic, 0.0);
-    }
     body.stress.valid = false;
+    const bool at_work = body.elements != nullptr;
+    const fem::ElementLayout& to = matter.layout ? matter.layout->layout : data.layout;
+    if (at_work) {
+        for (BodyState* state : {&body.state, &body.start}) lay_state_again(*state, body.layout(), to, matter.elements->is_plastic());
+    }
+    body.elements = std::move(matter.elements);
+    body.own_layout = std::move(matter.layout);
+    if (!at_work) return;
+    body.work.corner.resize(to.places * 4);
+    couple_elements(body);
+    drop_preconditioner(body);
 }
 
 std::unique_ptr<Body> make_body(const BodyDef& def, const WorldDef& world, std::size_t index, Isa isa) {
@@ -85,8 +155,9 @@ std::unique_ptr<Body> make_body(const BodyDef& def, const WorldDef& world, std::
     body->name = def.name.empty() ? "body " + std::to_string(index) : def.name;
     body->shape = def.shape;
     const TemplateData& data = body->data();
-    const std::size_t n = data.rest.vertices;
+    const std::size_t n = data.layout.vertices;
     apply_materials(*body, def, world, isa);
+    const std::size_t blocks = body->layout().blocks;
     body->owner.assign(3 * n, kFree);
     for (std::size_t i = 0; i < n; ++i) {
         if (body->mass[i] == 0) std::fill_n(body->owner.begin() + std::ptrdiff_t(3 * i), 3, kHeld);  // a vertex of no element
@@ -98,34 +169,39 @@ std::unique_ptr<Body> make_body(const BodyDef& def, const WorldDef& world, std::
     s.v.assign(n, def.velocity_m_s);
     s.x_previous = s.x;
     for (auto* field : {&s.dv1, &s.dv2, &s.reaction}) field->assign(n, Vec3::Zero());
-    s.quaternion.assign(data.rest.blocks() * 4 * fem::kBlock, 0.0);
-    for (std::size_t b = 0; b < data.rest.blocks(); ++b) std::fill_n(s.quaternion.begin() + std::ptrdiff_t(b * 4 * fem::kBlock), fem::kBlock, 1.0);
+    s.quaternion.assign(blocks * 4 * fem::kBlock, 0.0);
+    for (std::size_t b = 0; b < blocks; ++b) std::fill_n(s.quaternion.begin() + std::ptrdiff_t(b * 4 * fem::kBlock), fem::kBlock, 1.0);
     if (world.solver.integrator == Integrator::bdf2) s.v_previous.assign(n, Vec3::Zero());
     if (world.solver.integrator == Integrator::newmark) s.a.assign(n, Vec3::Zero());
     s.moving.assign(1, 0);
+    if (body->elements->is_plastic()) s.plastic.assign(blocks * 6 * fem::kBlock, 0.0);
     s.frozen.assign(1, 0);
+    s.hierarchy_x = data.mesh.vertices;
+    s.hierarchy_quaternion = s.quaternion;
+    s.solver.assign(kMemoryCount, 0);
     body->start = s;
 
-    size_workspace(body->work, data);
+    size_workspace(body->work, body->layout());
     if (world.solver.precision == Precision::single) {
         body->system.emplace<System<float>>(data, isa, world.solver.preconditioner);
     } else {
         body->system.emplace<System<double>>(data, isa, world.solver.preconditioner);
     }
+    couple_elements(*body);
     return body;
 }
 
 void update_stress(const Body& body, Team& team) {
     StressCache& s = body.stress;
     if (s.valid) return;
-    const TemplateData& data = body.data();
-    const std::size_t elements = data.rest.elements, vertices = data.rest.vertices;
+    const fem::ElementLayout& layout = body.layout();
+    const std::size_t elements = layout.elements, vertices = layout.vertices;
     s.element.resize(elements);
     s.element_von_mises.resize(elements);
     s.vertex.resize(vertices);
     s.vertex_von_mises.resize(vertices);
-    s.block_stress.resize(data.rest.blocks() * 6 * fem::kBlock);
-    s.block_energy.resize(data.rest.blocks() * fem::kBlock);
+    s.block_stress.resize(layout.blocks * 6 * fem::kBlock);
+    s.block_energy.resize(layout.blocks * fem::kBlock);
     s.quaternion = body.state.quaternion;  // a copy: looking at the stress must not change what the next step does
 
     fem::ElementOutputs outputs;
@@ -135,13 +211,13 @@ void update_stress(const Body& body, Team& team) {
     body.elements->evaluate(team, body.state.x.data()->data(), s.quaternion.data(), outputs);
     team.for_range(elements, 512, [&](std::size_t begin, std::size_t end) {
         for (std::size_t e = begin; e < end; ++e) {
-            for (std::size_t c = 0; c < 6; ++c) s.element[e][c] = s.block_stress[(e / fem::kBlock * 6 + c) * fem::kBlock + e % fem::kBlock];
+            s.element[e] = fem::element_stress(layout, s.block_stress.data(), e);
             s.element_von_mises[e] = fem::von_mises(s.element[e]);
         }
     });
     team.for_range(vertices, 512, [&](std::size_t begin, std::size_t end) {
         for (std::size_t v = begin; v < end; ++v) {
-            s.vertex[v] = fem::recover_at_vertex(data.corners, data.rest.volume, s.element, v);
+            s.vertex[v] = fem::recover_at_vertex(layout.corners, layout.volume, s.element, v);
             s.vertex_von_mises[v] = fem::von_mises(s.vertex[v]);
         }
     });

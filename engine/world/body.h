@@ -5,7 +5,9 @@
 #include <vector>
 
 #include "supple/fem/elements.h"
+#include "supple/solve/lattice_multigrid.h"
 #include "supple/solve/linear_solver.h"
+#include "supple/solve/scalar_laplacian.h"
 #include "supple/world/template_data.h"
 #include "supple/world/world.h"
 
@@ -26,6 +28,9 @@ struct BodyState {
     AlignedVector<double> quaternion; ///< [block][w x y z][lane] element rotations: warm start
     AlignedVector<double> plastic;    ///< [block][xx yy zz xy yz zx][lane] plastic strain, of elements that flow
     std::vector<std::uint8_t> frozen; ///< one entry: 1 after containment
+    std::vector<Vec3> hierarchy_x;    ///< configuration that the frozen preconditioner was built from: positions [m]
+    AlignedVector<double> hierarchy_quaternion;  ///< and element rotations
+    std::vector<std::int32_t> solver; ///< choices of preconditioner: SolverMemory in precondition.h
 
     template <class Self, class F>
     static void for_each_field(Self& s, F&& f) {
@@ -41,6 +46,9 @@ struct BodyState {
         f("element rotations", s.quaternion);
         f("plastic strains", s.plastic);
         f("frozen flag", s.frozen);
+        f("positions of the frozen preconditioner", s.hierarchy_x);
+        f("rotations of the frozen preconditioner", s.hierarchy_quaternion);
+        f("solver choices", s.solver);
     }
 };
 
@@ -51,6 +59,25 @@ struct PreparedLoad {
     Timeline<Vec3> value;
 };
 
+struct Body;
+
+/// The part of a body's tangent that is too wide for its matrix (fem::Elements::couple), on its free coordinates.
+template <class Real>
+class ElementCoupling final : public solve::Coupling<Real> {
+public:
+    explicit ElementCoupling(Body& body);
+    double multiply_add(Team& team, const Real* x, Real* y) override;
+    /// Diagonal blocks for the preconditioner, scaled; identity rows stay.
+    std::span<const Mat3> update_diagonal(Team& team, double scale);
+
+private:
+    Body& body_;
+    double scale_ = 0;
+    AlignedVector<Real> product_;
+    std::vector<Mat3> diagonal_;
+    std::vector<double> partial_;
+};
+
 /// Matrix and solver of one body in one precision.
 template <class Real>
 struct System {
@@ -58,8 +85,11 @@ struct System {
     System(const TemplateData& data, Isa isa, PreconditionerKind kind);
 
     solve::Bsr3<Real> A;
-    std::unique_ptr<solve::Preconditioner<Real>> preconditioner;
+    std::unique_ptr<solve::Preconditioner<Real>> preconditioner;  ///< block-Jacobi, always at hand; the factor where `direct` is asked for
+    std::unique_ptr<solve::LatticeMultigrid<Real>> multigrid;     ///< null until it is wanted
+    std::unique_ptr<solve::ScalarLaplacian<Real>> laplacian;      ///< null until it is wanted
     solve::LinearSolver<Real> solver;
+    std::unique_ptr<ElementCoupling<Real>> coupling;  ///< null: the matrix is the whole tangent
 };
 
 /// What the stages of a step write into; sized once, never part of the state.
@@ -91,10 +121,17 @@ struct StressCache {
 inline constexpr std::int32_t kFree = -1;  ///< owner of a free coordinate
 inline constexpr std::int32_t kHeld = -2;  ///< owner of a coordinate fixed in place; 0.. are prescribed motions
 
+/// How the elements of a body of several families of laws lie.
+struct GroupedLayout {
+    fem::ElementLayout layout;
+    std::vector<solve::GatherMap> gather;  ///< [group]
+};
+
 struct Body {
     BodyDef def;
     std::string name;
     std::shared_ptr<const BodyTemplate> shape;
+    std::unique_ptr<const GroupedLayout> own_layout;  ///< of a body of several families of laws; null: that of its template
 
     // Model: constant during a step.
     std::unique_ptr<fem::Elements> elements;  ///< the law at work; holds the tangent of the current step
@@ -106,6 +143,7 @@ struct Body {
     std::vector<PreparedLoad> loads;
     std::vector<std::int32_t> held_rows;    ///< matrix rows with a held coordinate of their own or of a neighbour
     bool supports_changed = true;
+    bool preconditioner_fits = false;  ///< the frozen one was built from state.hierarchy_x and the present supports
 
     BodyState state, start;
     Workspace work;
@@ -113,6 +151,8 @@ struct Body {
     mutable StressCache stress;
 
     const TemplateData& data() const { return shape->data(); }
+    const fem::ElementLayout& layout() const { return own_layout ? own_layout->layout : data().layout; }
+    std::size_t element_count() const { return layout().elements; }
     std::size_t vertices() const { return mass.size(); }
     bool is_held(std::size_t vertex, std::size_t axis) const { return owner[vertex * 3 + axis] != kFree; }
     bool frozen() const { return state.frozen[0] != 0; }

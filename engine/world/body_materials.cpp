@@ -38,16 +38,17 @@ Material with_moduli(const Material& base, const double* young_pa, const double*
     return material;
 }
 
+/// One material for all, or one per element.
 void apply_base(const BodyDef& def, std::size_t elements, fem::ElementMaterials& to) {
     check_count(def.material_per_element, elements, "material_per_element");
     check_count(def.young_pa_per_element, elements, "young_pa_per_element");
     check_count(def.poisson_per_element, elements, "poisson_per_element");
     const bool materials = !def.material_per_element.empty(), young = !def.young_pa_per_element.empty(), poisson = !def.poisson_per_element.empty();
     check_material(def.material, elements, "BodyDef.material");
-    to.list = {def.material};
+    to.materials = {def.material};
     if (!materials && !young && !poisson) return;
-    to.list.clear();
-    to.of.resize(elements);
+    to.materials.clear();
+    to.material_of_element.resize(elements);
     for (std::size_t e = 0; e < elements; ++e) {
         const std::string index = std::to_string(e);
         const Material& base = materials ? def.material_per_element[e] : def.material;
@@ -55,9 +56,9 @@ void apply_base(const BodyDef& def, std::size_t elements, fem::ElementMaterials&
         if ((young || poisson) && is_hyperelastic(base)) {
             refuse("young_pa_per_element", "arrays of young_pa and poisson belong to the linear and corotational laws; give a hyperelastic law's parameters in material_per_element");
         }
-        to.list.push_back(with_moduli(base, young ? &def.young_pa_per_element[e] : nullptr, poisson ? &def.poisson_per_element[e] : nullptr,
+        to.materials.push_back(with_moduli(base, young ? &def.young_pa_per_element[e] : nullptr, poisson ? &def.poisson_per_element[e] : nullptr,
                                       "BodyDef, element " + index));
-        to.of[e] = std::uint32_t(e);
+        to.material_of_element[e] = std::int32_t(e);
     }
 }
 
@@ -75,8 +76,8 @@ void apply_region(const MaterialRegion& region, const std::string& name, const V
     if (region.density_kg_m3 != 0) check_positive(region.density_kg_m3, name + ".density_kg_m3", "0 keeps the body's");
     if (region.material) {
         check_material(*region.material, elements, "BodyDef." + name + ".material");
-        for (const std::int32_t e : selected) filled(to.elements.of, elements, std::uint32_t(0))[std::size_t(e)] = std::uint32_t(to.elements.list.size());
-        to.elements.list.push_back(*region.material);
+        for (const std::int32_t e : selected) filled(to.elements.material_of_element, elements, std::int32_t(0))[std::size_t(e)] = std::int32_t(to.elements.materials.size());
+        to.elements.materials.push_back(*region.material);
     }
     if (region.stiffness_factor != 1) {
         for (const std::int32_t e : selected) filled(to.elements.stiffness_factor, elements, 1.0)[std::size_t(e)] *= region.stiffness_factor;
@@ -107,13 +108,9 @@ BodyMaterials resolve_materials(const BodyDef& def, const VolumeMesh& mesh) {
     return to;
 }
 
-std::vector<double> element_young(const fem::ElementMaterials& materials, std::size_t elements) {
-    const std::vector<Lame> lame = fem::element_lame(materials, elements);
-    std::vector<double> young(elements);
-    for (std::size_t e = 0; e < elements; ++e) {
-        const Lame& l = lame[lame.size() == 1 ? 0 : e];
-        young[e] = l.mu_pa * (3 * l.lambda_pa + 2 * l.mu_pa) / (l.lambda_pa + l.mu_pa);
-    }
+std::vector<double> young_moduli(std::span<const Lame> lame) {
+    std::vector<double> young;
+    for (const Lame& l : lame) young.push_back(l.mu_pa * (3 * l.lambda_pa + 2 * l.mu_pa) / (l.lambda_pa + l.mu_pa));
     return young;
 }
 

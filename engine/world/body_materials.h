@@ -1,5 +1,5 @@
 #pragma once
-#include "supple/fem/element_materials.h"
+#include "supple/fem/elements.h"
 #include "supple/world/world.h"
 
 namespace supple {
@@ -15,7 +15,7 @@ struct BodyMaterials {
 /// @error Error(invalid_argument) naming the field of BodyDef
 BodyMaterials resolve_materials(const BodyDef& def, const VolumeMesh& mesh);
 
-/// Young's modulus at small strain of every element, stiffness factor included [Pa].
-std::vector<double> element_young(const fem::ElementMaterials& materials, std::size_t elements);
+/// Young's modulus of each [Pa].
+std::vector<double> young_moduli(std::span<const Lame> lame);
 
 }  // namespace supple

@@ -35,6 +35,8 @@ struct StepContext {
     World::Impl& world;
     StepReport& report;
     double time_s;  ///< at the end of the step
+    std::int64_t body_end_ns = 0;  ///< when the body at work must be done: its part of step_budget_us by elements; 0 = no budget
+    std::int64_t deadline_ns = 0;  ///< for the solves of the body at work, on the clock of now_ns(); 0 = none
 };
 
 StepReport do_step(World::Impl& world) noexcept;

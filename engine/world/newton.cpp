@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "supple/base/clock.h"
 #include "supple/solve/chunked_sum.h"
 #include "supple/world/stages.h"
 
@@ -78,7 +79,10 @@ Outcome iterate(StepContext& ctx, Watch& watch, BodyId id, Body& body, const New
     const SolverDef& def = ctx.world.def.solver;
     Workspace& w = body.work;
     const bool to_tolerance = plan.tolerance > 0;
+    const std::int64_t before_ns = now_ns();
     double norm = evaluate_elements(ctx, body, def.linearise_at == LineariseAt::current && !plan.is_static);
+    // The solves must leave time for the residual and the integration: about as long as the evaluation took.
+    ctx.deadline_ns = ctx.body_end_ns == 0 ? 0 : ctx.body_end_ns - (now_ns() - before_ns);
     watch.lap(ctx, Stage::elements);
     if (!(norm < kOverflow)) return Outcome::not_finite;
     if (to_tolerance) norm = residual_with_drags(ctx, id, body);
@@ -97,11 +101,16 @@ Outcome iterate(StepContext& ctx, Watch& watch, BodyId id, Body& body, const New
         assemble(ctx, body);
         watch.lap(ctx, Stage::assemble);
         const double tolerance = to_tolerance ? std::clamp(eta, def.cg_relative_tolerance, 0.1) : def.cg_relative_tolerance;
-        const bool finite = solve_system(ctx, id, body, floor, tolerance, k == 0 && !plan.is_static);
+        const bool finite = solve_system(ctx, id, body, floor, tolerance, k == 0);
         watch.lap(ctx, Stage::solve);
         if (!finite) return Outcome::not_finite;
         ctx.report.newton_iterations = std::max(ctx.report.newton_iterations, k + 1);
         previous = norm;
+        if ((ctx.report.flags & StepFlag::budget) != StepFlag::none) {  // no time for more: what there is counts
+            w.v_start = w.v0;
+            move_to(ctx, body, 1);
+            return Outcome::converged;
+        }
         if (to_tolerance) {
             norm = line_search(ctx, watch, id, body, norm);
         } else {
@@ -147,7 +156,7 @@ bool find_equilibrium(StepContext& ctx, Watch& watch, BodyId id, Body& body, con
             continue;
         }
         w.v0 = w.v_good;
-        fem::seed_rotations(ctx.team, body.data().rest, body.state.x, body.state.quaternion);
+        fem::seed_rotations(ctx.team, body.layout(), body.state.x, body.state.quaternion);
         part /= 2;
         if (part < kSmallestLoadStep) {
             ctx.report.flags |= StepFlag::no_equilibrium;

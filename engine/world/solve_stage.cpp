@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "supple/solve/chunked_sum.h"
+#include "supple/world/precondition.h"
 #include "supple/world/stages.h"
 
 namespace supple {
@@ -116,10 +117,18 @@ bool comes_to_rest(StepContext& ctx, Body& body, double rhs_norm, double floor) 
     return false;
 }
 
+void report_residual(StepContext& ctx, const solve::LinearSolveResult& result, double scale) {
+    if (scale > 0) ctx.report.cg_relative_residual = std::max(ctx.report.cg_relative_residual, result.residual / scale);
+}
+
 void report_solve(StepContext& ctx, const solve::LinearSolveResult& result, double scale) {
     if (result.stalled) ctx.report.flags |= StepFlag::residual_stalled;
+    if (result.out_of_time) {
+        ctx.report.flags |= StepFlag::budget;
+        return report_residual(ctx, result, scale);
+    }
     if (!result.converged && !result.stalled) ctx.report.flags |= StepFlag::iteration_cap;
-    if (scale > 0) ctx.report.cg_relative_residual = std::max(ctx.report.cg_relative_residual, result.residual / scale);
+    report_residual(ctx, result, scale);
 }
 
 }  // namespace
@@ -151,7 +160,7 @@ void drop_drags(World::Impl& world, BodyId id) {
     for_drags_of(world, id, [](Drag& drag) { drag.force = Vec3::Zero(); });
 }
 
-bool solve_system(StepContext& ctx, BodyId id, Body& body, double floor, double tolerance, bool warm_start) {
+bool solve_system(StepContext& ctx, BodyId id, Body& body, double floor, double tolerance, bool first) {
     const SolverDef& def = ctx.world.def.solver;
     Workspace& w = body.work;
     do {
@@ -164,22 +173,20 @@ bool solve_system(StepContext& ctx, BodyId id, Body& body, double floor, double 
         // Once above the floor, well below it: or the next step would be above it again.
         solve_def.target = std::max(tolerance * rhs_norm, rhs_norm > floor ? 0.3 * floor : floor);
         solve_def.max_iterations = def.cg_max_iterations;
+        solve_def.deadline_ns = ctx.deadline_ns;
         const std::span<const Vec3> guesses[2] = {body.state.dv1, body.state.dv2};
         solve::LinearSolveResult result;
         if (comes_to_rest(ctx, body, rhs_norm, floor)) {
             result.converged = true;
             result.residual = free_norm(ctx, body, w.residual);
         } else {
-            with_system(body, [&](auto& system) {
-                system.preconditioner->update(ctx.team, system.A, ctx.world.appended);
-                result = system.solver.solve(
-                    ctx.team, system.A, ctx.world.appended, *system.preconditioner, w.free_rhs, std::span(guesses, warm_start ? 2 : 0), solve_def,
-                    [&](const Vec3*, Vec3* r) { true_residual(ctx, body, r); }, w.dv, w.residual);
-            });
+            result = solve_preconditioned(ctx, body, std::span(guesses, first && !is_static(ctx) ? 2 : 0), solve_def, first,
+                                          [&](const Vec3*, Vec3* r) { true_residual(ctx, body, r); });
         }
         ctx.report.cg_iterations += result.iterations;
         if (!std::isfinite(result.residual)) return false;
         report_solve(ctx, result, std::max(rhs_norm, floor / tolerance));
+        if (result.out_of_time) break;
     } while (cap_drags(ctx, id, body));
     return true;
 }

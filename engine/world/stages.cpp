@@ -10,7 +10,7 @@ namespace supple {
 using solve::kRowChunk;
 
 void stiffness_product(StepContext& ctx, Body& body, const std::vector<Vec3>& field) {
-    body.elements->product(ctx.team, body.state.quaternion.data(), field, body.work.corner, body.work.product);
+    fem::stiffness_product(ctx.team, *body.elements, body.layout(), body.state.quaternion.data(), field, body.work.corner, body.work.product);
 }
 
 void gather_loads(StepContext& ctx, Body& body, double time_s) {
@@ -40,7 +40,7 @@ double evaluate_elements(StepContext& ctx, Body& body, bool at_current) {
     outputs.tangent = true;
     body.elements->evaluate(ctx.team, w.y.data()->data(), s.quaternion.data(), outputs);
     ctx.team.for_range(body.vertices(), kRowChunk, [&](std::size_t begin, std::size_t end) {
-        fem::gather_corners(body.data().corners, w.corner.data(), begin, end, w.b.data());
+        fem::gather_corners(body.layout().corners, w.corner.data(), begin, end, w.b.data());
         for (std::size_t i = begin; i < end; ++i) {
             if (inertia) {
                 w.b[i] = h * (w.b[i] + w.f_ext[i] - alpha * body.mass[i] * w.v0[i]) - body.mass[i] * (w.v0[i] - w.base_v[i]);
@@ -92,6 +92,7 @@ void assemble(StepContext& ctx, Body& body) {
                 }
             }
         });
+        if (system.coupling) system.preconditioner->coupling_diagonal = system.coupling->update_diagonal(ctx.team, stiffness_scale(ctx, body));
     });
 }
 
@@ -118,7 +119,7 @@ void contain(StepContext& ctx, BodyId id, Body& body) {
     std::fill(s.dv2.begin(), s.dv2.end(), Vec3::Zero());
     s.moving[0] = 0;
     std::fill(s.reaction.begin(), s.reaction.end(), Vec3::Zero());
-    fem::seed_rotations(ctx.team, body.data().rest, s.x, s.quaternion);
+    fem::seed_rotations(ctx.team, body.layout(), s.x, s.quaternion);
     body.stress.valid = false;
     drop_drags(ctx.world, id);
     ctx.report.flags |= StepFlag::non_finite;

@@ -36,7 +36,8 @@ double residual_with_drags(StepContext& ctx, BodyId id, Body& body);
 /// What a static residual is compared with: the loads, or the reactions where they are larger (times h).
 double static_scale(StepContext& ctx, Body& body);
 /// Drag springs and dv, to `tolerance` of the right-hand side. False if the solution is not finite.
-bool solve_system(StepContext& ctx, BodyId id, Body& body, double floor, double tolerance, bool warm_start);
+/// @param first  of the step: with warm starts, and remembered by the choice of preconditioner
+bool solve_system(StepContext& ctx, BodyId id, Body& body, double floor, double tolerance, bool first);
 /// The new state, if it is finite; if not, false and nothing has changed.
 bool integrate(StepContext& ctx, BodyId id, Body& body);
 /// The body stays where the step found it, takes no further part, and is reported.
@@ -59,6 +60,12 @@ inline Vec3 free_part(const Body& body, std::size_t vertex, const Vec3& v) {
 }
 
 inline bool is_static(const StepContext& ctx) { return ctx.world.def.solver.integrator == Integrator::quasi_static; }
+
+/// h' of a scheme once it is under way (time_scheme.cpp).
+inline double scheme_step(const WorldDef& def) {
+    const double h = def.time_step_s;
+    return def.solver.integrator == Integrator::newmark ? h / 2 : def.solver.integrator == Integrator::bdf2 ? 2 * h / 3 : h;
+}
 
 /// Factors of K and M in the matrix.
 inline double stiffness_scale(const StepContext& ctx, const Body& body) {

@@ -1,5 +1,7 @@
 #include <algorithm>
 
+#include "supple/base/clock.h"
+#include "supple/world/precondition.h"
 #include "supple/world/stages.h"
 
 namespace supple {
@@ -12,6 +14,8 @@ void step_body(StepContext& ctx, Watch& watch, BodyId id, Body& body) {
     begin_drags(ctx.world, id);
     const double floor = resting_residual(ctx, body);
     watch.lap(ctx, Stage::loads);
+    prepare_preconditioner(ctx, body);
+    watch.lap(ctx, Stage::solve);
     const bool finite = solve_step(ctx, watch, id, body, floor) && integrate(ctx, id, body);
     if (!finite) contain(ctx, id, body);
     watch.lap(ctx, Stage::integrate);
@@ -26,8 +30,11 @@ void step_body(StepContext& ctx, Watch& watch, BodyId id, Body& body) {
 StepReport do_step(World::Impl& world) noexcept {
     StepReport report;
     Watch watch;
+    const std::int64_t start_ns = now_ns();
     std::size_t largest = 0;
-    for (const std::uint32_t slot : world.order) largest = std::max(largest, world.slots[slot].body->data().rest.elements);
+    double total = 0, done = 0;
+    for (const std::uint32_t slot : world.order) total += double(world.slots[slot].body->element_count());
+    for (const std::uint32_t slot : world.order) largest = std::max(largest, world.slots[slot].body->element_count());
 
     StepContext ctx{world.team_for(largest), world, report, double(world.step + 1) * world.def.time_step_s};
     for (const std::uint32_t slot : world.order) {
@@ -39,11 +46,13 @@ StepReport do_step(World::Impl& world) noexcept {
             report.flags |= StepFlag::frozen;
             continue;
         }
+        done += double(body.element_count());
+        if (world.def.solver.step_budget_us > 0) ctx.body_end_ns = start_ns + std::int64_t(world.def.solver.step_budget_us * 1e3 * done / total);
         step_body(ctx, watch, id, body);
     }
     ++world.step;
     if (world.def.stress_each_step) {
-        for (const std::uint32_t slot : world.order) update_stress(*world.slots[slot].body, world.team_for(world.slots[slot].body->data().rest.elements));
+        for (const std::uint32_t slot : world.order) update_stress(*world.slots[slot].body, world.team_for(world.slots[slot].body->element_count()));
         watch.lap(ctx, Stage::stress);
     }
     report.step = world.step;

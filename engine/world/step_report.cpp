@@ -10,6 +10,8 @@ std::string_view name(StepFlag one_bit) {
         case StepFlag::frozen: return "frozen";
         case StepFlag::newton_cap: return "newton_cap";
         case StepFlag::no_equilibrium: return "no_equilibrium";
+        case StepFlag::preconditioner: return "preconditioner";
+        case StepFlag::budget: return "budget";
         case StepFlag::none: break;
     }
     return "none";
@@ -28,6 +30,10 @@ std::string_view cure(StepFlag one_bit) {
         case StepFlag::newton_cap: return "Newton stopped at newton_iterations before newton_tolerance: raise the one or loosen the other";
         case StepFlag::no_equilibrium:
             return "no static equilibrium was found: hold every body against all rigid motions, apply the load over several steps, or raise newton_iterations";
+        case StepFlag::preconditioner:
+            return "the frozen preconditioner was no longer positive and block-Jacobi took over: look for slivers in the mesh, or set preconditioner to \"block_jacobi\"";
+        case StepFlag::budget:
+            return "step_budget_us was used up before cg_relative_tolerance: raise the one, loosen the other, or use a coarser mesh";
         case StepFlag::none: break;
     }
     return "all is well";

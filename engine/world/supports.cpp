@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "supple/mesh/selection.h"
-#include "supple/world/stages.h"
+#include "supple/world/precondition.h"
 
 namespace supple {
 
@@ -48,7 +48,7 @@ void own(Body& body, const std::vector<std::int32_t>& vertices, Axes axes, std::
 
 PreparedLoad prepare(const Body& body, const Load& load) {
     const TemplateData& data = body.data();
-    std::vector<double> weight(data.rest.vertices, 0.0);
+    std::vector<double> weight(data.layout.vertices, 0.0);
     const std::vector<std::int32_t> selected = select_some(body, load.where, "Load.where");
     switch (load.kind) {
         case LoadKind::total_force:
@@ -58,7 +58,7 @@ PreparedLoad prepare(const Body& body, const Load& load) {
             for (const std::int32_t v : selected) weight[std::size_t(v)] = 1;
             break;
         case LoadKind::traction: {
-            std::vector<bool> in(data.rest.vertices, false);
+            std::vector<bool> in(data.layout.vertices, false);
             for (const std::int32_t v : selected) in[std::size_t(v)] = true;
             bool any = false;
             for (const Triangle& t : data.boundary.triangles) {
@@ -74,9 +74,11 @@ PreparedLoad prepare(const Body& body, const Load& load) {
         }
         case LoadKind::body_force: {
             const std::vector<std::int32_t> elements = select_elements(data.mesh, load.where);
-            if (elements.empty()) throw Error(ErrorCode::invalid_argument, "Load.where", "no element of \"" + body.name + "\" has its four vertices selected");
+            if (elements.empty()) throw Error(ErrorCode::invalid_argument, "Load.where", "no element of \"" + body.name + "\" has all its vertices selected");
+            double share[8];
             for (const std::int32_t e : elements) {
-                for (const std::int32_t v : data.mesh.tets[std::size_t(e)]) weight[std::size_t(v)] += data.rest.volume[std::size_t(e)] / 4;
+                const std::size_t corners = fem::corner_volumes(data.mesh, std::size_t(e), share);
+                for (std::size_t a = 0; a < corners; ++a) weight[std::size_t(fem::element_vertices(data.mesh, std::size_t(e))[a])] += share[a];
             }
             break;
         }
@@ -143,6 +145,7 @@ void refresh_supports(World::Impl& world, BodyId id, Body& body) {
         }
     }
     body.supports_changed = false;
+    body.preconditioner_fits = false;
 }
 
 }  // namespace supple

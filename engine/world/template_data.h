@@ -1,6 +1,5 @@
 #pragma once
-#include "supple/fem/corners.h"
-#include "supple/fem/tet4.h"
+#include "supple/fem/element_layout.h"
 #include "supple/mesh/surface.h"
 #include "supple/solve/bsr3.h"
 
@@ -12,10 +11,12 @@ struct TemplateData {
     MeshReport report;
     BoundarySurface boundary;
     std::vector<std::int32_t> boundary_vertices;  ///< ascending
-    fem::Tet4Rest rest;
-    fem::CornerMap corners;
+    fem::ElementLayout layout;             ///< of bodies of one law: a group per kind of element
     solve::Bsr3Pattern pattern;
-    solve::GatherMap gather;
+    std::vector<solve::GatherMap> gather;  ///< [group]
 };
+
+/// Gather maps of the groups of a layout of this mesh.
+std::vector<solve::GatherMap> make_gather_maps(const VolumeMesh& mesh, const solve::Bsr3Pattern& pattern, const fem::ElementLayout& layout);
 
 }  // namespace supple

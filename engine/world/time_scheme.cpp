@@ -45,7 +45,7 @@ void start_accelerations(StepContext& ctx, Body& body) {
     stiffness_product(ctx, body, s.v);
     const double alpha = def.solver.rayleigh_mass_1_s, beta = def.solver.rayleigh_stiffness_s;
     ctx.team.for_range(body.vertices(), kRowChunk, [&](std::size_t begin, std::size_t end) {
-        fem::gather_corners(body.data().corners, w.corner.data(), begin, end, w.b.data());
+        fem::gather_corners(body.layout().corners, w.corner.data(), begin, end, w.b.data());
         for (std::size_t i = begin; i < end; ++i) {
             s.a[i] = Vec3::Zero();
             if (body.mass[i] > 0) s.a[i] = free_part(body, i, (w.b[i] + w.f_ext[i] - beta * w.product[i]) / body.mass[i] - alpha * s.v[i]);
@@ -64,7 +64,7 @@ void begin_scheme(StepContext& ctx, Body& body) {
     const bool history = s.moving[0] != 0;
     if (integrator == Integrator::newmark && !history) start_accelerations(ctx, body);
     const bool second_order = integrator == Integrator::newmark || (integrator == Integrator::bdf2 && history);
-    w.h = integrator == Integrator::newmark ? h / 2 : second_order ? 2 * h / 3 : h;
+    w.h = integrator == Integrator::bdf2 && !history ? h : scheme_step(def);
     ctx.team.for_range(body.vertices(), kRowChunk, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             w.v0[i] = s.v[i];

@@ -33,18 +33,24 @@ void check(const WorldDef& def) {
                     to_text(s.cg_relative_tolerance) + " is outside (0, 1); 1e-3 for games, 1e-5 for measurements");
     }
     check_count("solver.cg_max_iterations", s.cg_max_iterations, 1, 1000000, "2000 is usual");
+    require_in_range(s.step_budget_us, 0, 1e9, "WorldDef.solver.step_budget_us", "0 sets no limit");
+    if (def.isa && !is_supported(*def.isa)) {
+        throw Error(ErrorCode::unsupported, "WorldDef.isa", std::string(name(*def.isa)) + " is not built in or not in this processor; " + std::string(name(best_isa())) + " is");
+    }
     require_in_range(s.rayleigh_mass_1_s, 0, 1e6, "WorldDef.solver.rayleigh_mass_1_s");
     require_in_range(s.rayleigh_stiffness_s, 0, 1e3, "WorldDef.solver.rayleigh_stiffness_s");
 }
 
 /// Of the first nearly incompressible material of a body.
 void warn_of_locking(const WorldDef& world, const Body& body) {
-    if (!world.log) return;
+    if (!world.log || body.data().mesh.tets.empty()) return;
     const auto locks = [&](const Material& material) {
         const Lame lame = small_strain(material);
         const double poisson = lame.lambda_pa / (2 * (lame.lambda_pa + lame.mu_pa));
-        if (!(poisson > 0.48 + 1e-9)) return false;
-        world.log(LogLevel::warning, body.name + ": Poisson's ratio " + to_text(poisson) + " above 0.48 locks linear tetrahedra: they bend too little");
+        if (!(poisson > 0.48 + 1e-9) || volumetric_of(material) == Volumetric::nodal) return false;
+        world.log(LogLevel::warning, body.name + ": Poisson's ratio " + to_text(poisson) +
+                                         " above 0.48 locks linear tetrahedra: they bend too little; " +
+                                         (is_hyperelastic(material) ? "use hexahedra" : "set the material's volumetric to \"nodal\""));
         return true;
     };
     if (locks(body.def.material)) return;
@@ -71,6 +77,7 @@ World::World(const WorldDef& def) : impl_(std::make_unique<Impl>()) {
     const bool is_static = solver.integrator == Integrator::quasi_static;
     if (solver.precision == Precision::automatic) solver.precision = is_static ? Precision::double_ : Precision::single;
     if (solver.tangent == Tangent::automatic) solver.tangent = is_static ? Tangent::exact : Tangent::warped;
+    impl_->isa = def.isa.value_or(best_isa());
     impl_->threads = def.threads == 0 ? hardware_threads() : def.threads;
 }
 
@@ -87,7 +94,7 @@ BodyId World::add_body(const BodyDef& def) {
         for (const std::string& sentence : body->data().report.sentences()) w.def.log(LogLevel::warning, body->name + ": " + sentence);
     }
     warn_of_locking(w.def, *body);
-    if (!w.crew && w.threads > 1 && body->data().rest.elements >= kMinElementsForThreads) w.crew = std::make_unique<Team>(w.threads);
+    if (!w.crew && w.threads > 1 && body->element_count() >= kMinElementsForThreads) w.crew = std::make_unique<Team>(w.threads);
     if (slot == w.slots.size()) w.slots.emplace_back();
     w.slots[slot].body = std::move(body);
     w.order.push_back(slot);
@@ -133,7 +140,7 @@ void World::set_state(BodyId id, std::span<const Vec3> positions_m, std::span<co
     s.x_previous = s.x;
     for (auto* history : {&s.dv1, &s.dv2}) history->assign(body.vertices(), Vec3::Zero());
     s.moving[0] = 0;
-    fem::seed_rotations(impl_->team_for(body.data().rest.elements), body.data().rest, s.x, s.quaternion);
+    fem::seed_rotations(impl_->team_for(body.element_count()), body.layout(), s.x, s.quaternion);
     body.stress.valid = false;
 }
 
@@ -208,7 +215,7 @@ namespace {
 
 const StressCache& stress_of(World::Impl& w, BodyId id) {
     const Body& body = w.body(id);
-    update_stress(body, w.team_for(body.data().rest.elements));
+    update_stress(body, w.team_for(body.element_count()));
     return body.stress;
 }
 

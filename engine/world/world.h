@@ -10,6 +10,7 @@
 #include "supple/base/id.h"
 #include "supple/base/log.h"
 #include "supple/material/material.h"
+#include "supple/math/isa.h"
 #include "supple/world/body_template.h"
 #include "supple/world/loads.h"
 #include "supple/world/step_report.h"
@@ -34,10 +35,13 @@ enum class Integrator {
     quasi_static,    ///< scene key "static": no inertia; each step finds the equilibrium under the loads and supports of its end
 };
 
+/// How the linear solves are sped up. None changes the answer beyond the tolerance.
 enum class PreconditionerKind {
-    automatic,
-    block_jacobi,
-    direct,  ///< sparse Cholesky factor of every matrix: robust and slow; memory and time grow fast beyond some thousand vertices
+    automatic,          ///< by size and iteration counts, never by the clock: block-Jacobi where that takes few iterations, else the multigrid
+    block_jacobi,       ///< inverse of each vertex's own block: best for soft bodies and short steps
+    lattice_multigrid,  ///< a frozen hierarchy of lattices that turns with the body: iterations that hardly grow with size and stiffness
+    scalar_laplacian,   ///< Cholesky factor of a scalar matrix, made once: for small meshes full of slivers
+    direct,             ///< Cholesky factor of every matrix: robust and slow; memory and time grow fast beyond some thousand vertices
 };
 
 struct SolverDef {
@@ -53,6 +57,7 @@ struct SolverDef {
     PreconditionerKind preconditioner = PreconditionerKind::automatic;
     Precision precision = Precision::automatic;
     LineariseAt linearise_at = LineariseAt::prediction;
+    double step_budget_us = 0;             ///< time that a step may take, [0, 1e9]; 0 = as long as it needs. With it results depend on the clock
     double rayleigh_mass_1_s = 0;          ///< alpha of C = alpha M + beta K, [0, 1e6]
     double rayleigh_stiffness_s = 0;       ///< beta, [0, 1e3]
 };
@@ -64,13 +69,14 @@ struct WorldDef {
     int max_catch_up_steps = 4;       ///< advance() does at most so many steps per call, 1..1000
     bool stress_each_step = false;    ///< compute stress inside step() (Stage::stress); otherwise on the first request after it
     SolverDef solver{};
+    std::optional<Isa> isa{};         ///< instruction set of the kernels; empty = the widest that this processor has
     LogSink log{};
 };
 
 /// A part of a body whose matter differs. Regions apply in their order.
 struct MaterialRegion {
     Selection where{};                    ///< the elements whose vertices are all selected; at least one
-    std::optional<Material> material{};   ///< in place of the body's; empty: only the factor and the density change
+    std::optional<Material> material{};   ///< in place of the body's, of any law; empty: only the factor and the density change
     double stiffness_factor = 1;          ///< multiplies every modulus of the elements, > 0; those of several regions multiply
     double density_kg_m3 = 0;             ///< > 0; 0 keeps the body's
 };
@@ -82,7 +88,7 @@ struct BodyDef {
     double density_kg_m3 = 1000;                       ///< > 0
     std::vector<double> young_pa_per_element{};        ///< empty, or one per element: overrides material
     std::vector<double> poisson_per_element{};         ///< empty, or one per element: overrides material
-    std::vector<Material> material_per_element{};      ///< empty, or one per element in place of material
+    std::vector<Material> material_per_element{};      ///< empty, or one per element in place of material, of any laws
     std::vector<double> stiffness_factor_per_element{};///< empty, or one per element, > 0: multiplies every modulus
     std::vector<double> density_kg_m3_per_element{};   ///< empty, or one per element, > 0: overrides density_kg_m3
     std::vector<MaterialRegion> regions{};             ///< applied after the above

@@ -52,6 +52,22 @@ inline std::shared_ptr<const BodyTemplate> bar(std::array<int, 3> cells = {16, 4
     return BodyTemplate::build(make_tet_box({.min_m = Vec3::Zero(), .max_m = {0.4, 0.1, 0.1}, .cells = cells}));
 }
 
+/// The same bar of hexahedra.
+inline std::shared_ptr<const BodyTemplate> hex_bar(std::array<int, 3> cells = {16, 4, 4}) {
+    return BodyTemplate::build(make_hex_box({.min_m = Vec3::Zero(), .max_m = {0.4, 0.1, 0.1}, .cells = cells}));
+}
+
+/// A unit cube of hexahedra whose inner vertices are shaken by up to `shake` of a cell: no two alike.
+inline std::shared_ptr<const BodyTemplate> irregular_hex_cube(int cells, double shake, std::uint64_t seed) {
+    VolumeMesh mesh = make_hex_box({.min_m = Vec3::Zero(), .max_m = Vec3::Ones(), .cells = {cells, cells, cells}});
+    Random random(seed);
+    for (Vec3& x : mesh.vertices) {
+        const Vec3 d = random.vector(shake / cells);
+        if (x.minCoeff() > 1e-9 && x.maxCoeff() < 1 - 1e-9) x += d;
+    }
+    return BodyTemplate::build(std::move(mesh));
+}
+
 inline std::shared_ptr<const BodyTemplate> cube(int cells, double size_m = 1) {
     return BodyTemplate::build(make_tet_box({.min_m = Vec3::Zero(), .max_m = Vec3::Constant(size_m), .cells = {cells, cells, cells}}));
 }

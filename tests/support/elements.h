@@ -15,7 +15,7 @@ struct Elements {
     AlignedVector<float> record_f;
 
     Elements(std::span<const Vec3> vertices, std::span<const Tet> tets, const Lame& lame) : rest(fem::make_rest(vertices, tets)) {
-        moduli = fem::make_moduli(rest, std::span(&lame, 1));
+        moduli = fem::make_moduli(rest.blocks(), std::span(&lame, 1));
         const std::size_t lanes = rest.blocks() * fem::kBlock;
         quaternion.resize(lanes * 4);
         corner.resize(lanes * 16);

@@ -74,11 +74,10 @@ inline std::pair<double, double> difference_errors(const OneTet& tet, const Mate
 /// Stiffness of that tetrahedron at x, column by column.
 inline Eigen::Matrix<double, 12, 12> element_stiffness(const Material& material, const std::vector<Vec3>& x, bool project) {
     Team alone;
-    const fem::Tet4Rest rest = fem::make_rest(kCorners, std::vector<Tet>{{0, 1, 2, 3}});
-    const fem::CornerMap corners = fem::make_corner_map(4, std::vector<Tet>{{0, 1, 2, 3}});
+    const OneTet tet;
+    const fem::ElementLayout layout = fem::make_layout(tet.shape->mesh());
     fem::ElementsDef def;
-    def.rest = &rest;
-    def.corners = &corners;
+    def.layout = &layout;
     def.project = project;
     const auto elements = fem::make_elements(def, fem::ElementMaterials{{material}, {}, {}});
     AlignedVector<double> q(4 * fem::kBlock, 0.0), scratch(fem::kBlock * 16);
@@ -91,7 +90,7 @@ inline Eigen::Matrix<double, 12, 12> element_stiffness(const Material& material,
     for (int i = 0; i < 12; ++i) {
         std::vector<Vec3> d(4, Vec3::Zero());
         d[std::size_t(i / 3)][i % 3] = 1;
-        elements->product(alone, q.data(), d, scratch, out);
+        fem::stiffness_product(alone, *elements, layout, q.data(), d, scratch, out);
         for (int j = 0; j < 12; ++j) K(j, i) = out[std::size_t(j / 3)][j % 3];
     }
     return K;

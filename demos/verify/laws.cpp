@@ -1,0 +1,26 @@
+#include "laws.h"
+
+namespace supple::verify {
+
+std::vector<NamedLaw> hyperelastic_laws() {
+    constexpr double la = 28000.0 / 3;
+    return {
+        {"ArrudaBoyce", ArrudaBoyce{.mu_pa = 1000 / 1.0851367078791743, .bulk_pa = 1e4}},
+        {"MooneyRivlin", MooneyRivlin{.c1_pa = 300, .c2_pa = 200, .bulk_pa = 1e4}},
+        {"NeoHookean", NeoHookean{.mu_pa = 1000, .lambda_pa = la}},
+        {"Ogden", Ogden{.terms = {{2000, 3}}, .bulk_pa = 1e4}},
+        {"StVenantKirchhoff", StVenantKirchhoff{.mu_pa = 1000, .lambda_pa = la}},
+        {"VerondaWestman", VerondaWestman{.c1_pa = 500, .c2 = 2, .bulk_pa = 1e4}},
+        {"StableNeoHookean", StableNeoHookean{.mu_pa = 1000, .lambda_pa = la}},
+    };
+}
+
+std::vector<NamedLaw> all_laws() {
+    constexpr double mu = 1000, K = 1e4, young = 9 * K * mu / (3 * K + mu), poisson = (3 * K - 2 * mu) / (2 * (3 * K + mu));
+    std::vector<NamedLaw> laws = hyperelastic_laws();
+    laws.push_back({"linear", Linear{.young_pa = young, .poisson = poisson}});
+    laws.push_back({"corotational", Corotational{.young_pa = young, .poisson = poisson}});
+    return laws;
+}
+
+}  // namespace supple::verify

@@ -1,0 +1,66 @@
+#pragma once
+/// What the kernels of hexahedra share. Kernel units only.
+#include "supple/fem/hex8.h"
+#include "supple/fem/tet4_lanes.h"
+
+namespace supple::fem {
+inline namespace SUPPLE_ISA {
+namespace {
+
+/// Values of a vertex field at the corners 1..7 of the elements in some lanes of a block, as differences to corner 0.
+inline void hex_differences(const double* field, const std::int32_t* vertex, Vector d[7]) {
+    alignas(64) double c[8][3][kLanes];
+    for (int a = 0; a < 8; ++a) {
+        for (int lane = 0; lane < kLanes; ++lane) {
+            const double* p = field + 3 * std::size_t(vertex[a * int(kBlock) + lane]);
+            c[a][0][lane] = p[0];
+            c[a][1][lane] = p[1];
+            c[a][2][lane] = p[2];
+        }
+    }
+    const Vector c0{load(c[0][0]), load(c[0][1]), load(c[0][2])};
+    for (int k = 0; k < 7; ++k) d[k] = Vector{load(c[k + 1][0]), load(c[k + 1][1]), load(c[k + 1][2])} - c0;
+}
+
+/// Seven vectors of a block, [..][x y z][lane].
+inline void load_seven(const double* from, Vector v[7]) {
+    for (int k = 0; k < 7; ++k) {
+        const double* p = from + std::size_t(3 * k) * kBlock;
+        v[k] = {load(p), load(p + kBlock), load(p + 2 * kBlock)};
+    }
+}
+
+/// sum_a d_a g_a^T over the corners 1..7.
+inline Matrix hex_gradient(const Vector d[7], const Vector g[7]) {
+    Matrix F = gradient(d, g);
+    const Matrix second = gradient(d + 3, g + 3);
+    const Lanes left[3] = {d[6].x, d[6].y, d[6].z}, right[3] = {g[6].x, g[6].y, g[6].z};
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) F.m[i][j] = F.m[i][j] + second.m[i][j] + left[i] * right[j];
+    return F;
+}
+
+/// Writes the values of the corners 1..7, and at corner 0 minus their sum: no net force. out: of the first lane.
+inline void store_hex_corners(double* out, const Vector f[7]) {
+    alignas(64) double s[24][kLanes];
+    Vector sum = f[0];
+    for (int k = 1; k < 7; ++k) sum = sum + f[k];
+    sum = Lanes(-1.0) * sum;
+    for (int a = 0; a < 8; ++a) {
+        const Vector& v = a == 0 ? sum : f[a - 1];
+        store(s[3 * a], v.x);
+        store(s[3 * a + 1], v.y);
+        store(s[3 * a + 2], v.z);
+    }
+    for (int lane = 0; lane < kLanes; ++lane) {
+        double* to = out + std::size_t(lane) * 32;
+        for (int a = 0; a < 8; ++a) {
+            for (int c = 0; c < 3; ++c) to[4 * a + c] = s[3 * a + c][lane];
+            to[4 * a + 3] = 0;
+        }
+    }
+}
+
+}  // namespace
+}  // namespace SUPPLE_ISA
+}  // namespace supple::fem

@@ -1,0 +1,187 @@
+#include "supple/base/assert.h"
+#include "supple/base/error.h"
+#include "supple/fem/element_groups.h"
+#include "supple/fem/element_passes.h"
+#include "supple/fem/hex8_hyper.h"
+#include "supple/fem/hex8_kernels.h"
+#include "supple/fem/hex8_stiffness.h"
+#include "supple/fem/hyper_parameters.h"
+#include "supple/fem/rest.h"
+
+namespace supple::fem {
+
+namespace {
+
+std::vector<Integration> group_integration(const ElementGroup& group, const ElementMaterials& materials) {
+    std::vector<Integration> integration;
+    for (const std::int32_t e : group.element) {
+        const Material& material = materials.of(std::size_t(e));
+        const auto* corotational = std::get_if<Corotational>(&material);
+        integration.push_back(corotational != nullptr ? corotational->integration : std::get<Linear>(material).integration);
+    }
+    return integration;
+}
+
+/// Linear elasticity in a frame: small displacements and the corotational methods.
+class FrameHexes final : public Elements {
+public:
+    FrameHexes(const GroupDef& def, const ElementMaterials& materials)
+        : def_(def),
+          rest_(def.group->hexes),
+          frame_(frame_of(materials.of(std::size_t(def.group->element[0])))),
+          kernels_(hex8_kernels(def.isa)) {
+        const std::vector<Lame> lame = group_lame(*def.group, materials);
+        moduli_ = make_moduli(rest_.blocks(), lame);
+        stiffness_ = make_hex_stiffness(rest_, lame, group_integration(*def.group, materials), def.precision == MatrixPrecision::single);
+        const std::size_t records = rest_.blocks() * kBlock * kHexRecord;
+        if (def.precision == MatrixPrecision::single) record_f_.resize(records);
+        if (def.precision == MatrixPrecision::double_) record_d_.resize(records);
+    }
+
+    void evaluate(Team& team, const double* position, double* quaternion, const ElementOutputs& outputs) override {
+        Hex8Pass pass;
+        pass.vertex = rest_.vertex.data();
+        pass.edge = rest_.edge.data();
+        pass.gradient = rest_.gradient.data();
+        pass.volume = rest_.volume.data();
+        pass.moduli = moduli_.data();
+        pass.stiffness = view();
+        pass.position = position;
+        pass.quaternion = quaternion;
+        pass.corner_force = outputs.corner_force;
+        pass.energy = outputs.energy;
+        pass.stress = outputs.stress;
+        if (outputs.tangent && !record_f_.empty()) pass.record_f = record_f_.data();
+        if (outputs.tangent && !record_d_.empty()) pass.record_d = record_d_.data();
+        const auto kernel = kernels_.elements[std::size_t(frame_)];
+        team.for_range(rest_.blocks(), kBlockChunk, [&](std::size_t begin, std::size_t end) { kernel(pass, begin, end); });
+    }
+
+    void product(Team& team, const double* quaternion, const double* field, double* corner_value) override {
+        const Hex8Product pass{rest_.vertex.data(), view(), quaternion, field, corner_value};
+        team.for_range(rest_.blocks(), kBlockChunk, [&](std::size_t begin, std::size_t end) { kernels_.product(pass, begin, end); });
+    }
+
+    void assemble(Team& team, double scale, std::span<const double> shift, float* value) override {
+        assemble_rows(team, scale, shift, stiffness_.shared_f, record_f_, value, kernels_.assemble_f);
+    }
+    void assemble(Team& team, double scale, std::span<const double> shift, double* value) override {
+        assemble_rows(team, scale, shift, stiffness_.shared_d, record_d_, value, kernels_.assemble_d);
+    }
+
+private:
+    HexStiffnessView view() const { return {stiffness_.shared_d.data(), stiffness_.own.data(), stiffness_.place.data(), stiffness_.scale.data()}; }
+
+    template <class Real, class Kernel>
+    void assemble_rows(Team& team, double scale, std::span<const double> shift, const AlignedVector<Real>& stiffness, const AlignedVector<Real>& record,
+                       Real* value, Kernel kernel) {
+        SUPPLE_ASSERT(!record.empty());
+        Hex8Assembly<Real> pass;
+        fill_lists(pass, def_, scale, shift);
+        pass.stiffness = stiffness.data();
+        pass.class_of = stiffness_.class_of.data();
+        pass.record = record.data();
+        pass.value = value;
+        team.for_range(def_.pattern.rows(), kAssemblyChunk, [&](std::size_t begin, std::size_t end) { kernel(pass, begin, end); });
+    }
+
+    GroupDef def_;
+    const Hex8Rest& rest_;
+    Frame frame_;
+    const Hex8Kernels& kernels_;
+    AlignedVector<double> moduli_;
+    HexStiffness stiffness_;
+    AlignedVector<float> record_f_;
+    AlignedVector<double> record_d_;
+};
+
+/// Hyperelastic laws in principal stretches, with one volume ratio per element.
+class HyperHexes final : public Elements {
+public:
+    HyperHexes(const GroupDef& def, const ElementMaterials& materials)
+        : def_(def),
+          rest_(def.group->hexes),
+          points_(make_hex_points(rest_)),
+          parameters_(make_hyper_parameters(*def.group, materials)),
+          kernel_(hex8_hyper_kernels(def.isa).elements[std::size_t(parameters_.law)]),
+          kernels_(hex8_kernels(def.isa)) {
+        const Material& first = materials.of(std::size_t(def.group->element[0]));
+        if (kernel_ == nullptr) {
+            throw Error(ErrorCode::unsupported, "material", "Costa's law has no hexahedra; use tetrahedra, or for fibres in hexahedra another hyperelastic law with a fibre_stiffness_pa");
+        }
+        def_.project = def.project && is_regularized(first);
+        const std::size_t lanes = rest_.blocks() * kBlock;
+        inner_.resize(lanes * kHexInner);
+        for (std::size_t block = 0; block < rest_.blocks(); ++block) place_.push_back(-1 - std::int64_t(block));
+        if (def.precision == MatrixPrecision::single) block_f_.resize(lanes * kHexBlocks);
+        if (def.precision == MatrixPrecision::double_) block_d_.resize(lanes * kHexBlocks);
+    }
+
+    void evaluate(Team& team, const double* position, double* quaternion, const ElementOutputs& outputs) override {
+        Hex8HyperPass pass;
+        pass.vertex = rest_.vertex.data();
+        pass.gradient = rest_.gradient.data();
+        pass.volume = rest_.volume.data();
+        pass.point = points_.data();
+        pass.parameter = parameters_.field.data();
+        pass.parameters = parameters_.count;
+        pass.fibre = parameters_.fibre.data();
+        pass.families = parameters_.families;
+        pass.position = position;
+        pass.project = def_.project;
+        pass.quaternion = quaternion;
+        pass.corner_force = outputs.corner_force;
+        pass.energy = outputs.energy;
+        pass.stress = outputs.stress;
+        if (outputs.tangent) {
+            pass.inner = inner_.data();
+            if (!block_f_.empty()) pass.block_f = block_f_.data();
+            if (!block_d_.empty()) pass.block_d = block_d_.data();
+        }
+        team.for_range(rest_.blocks(), kHyperChunk, [&](std::size_t begin, std::size_t end) { kernel_(pass, begin, end); });
+    }
+
+    void product(Team& team, const double*, const double* field, double* corner_value) override {
+        const Hex8Product pass{rest_.vertex.data(), {nullptr, inner_.data(), place_.data(), nullptr}, nullptr, field, corner_value};
+        team.for_range(rest_.blocks(), kBlockChunk, [&](std::size_t begin, std::size_t end) { kernels_.product(pass, begin, end); });
+    }
+
+    void assemble(Team& team, double scale, std::span<const double> shift, float* value) override {
+        assemble_rows(team, scale, shift, block_f_, value, kernels_.assemble_f);
+    }
+    void assemble(Team& team, double scale, std::span<const double> shift, double* value) override {
+        assemble_rows(team, scale, shift, block_d_, value, kernels_.assemble_d);
+    }
+
+private:
+    static constexpr std::size_t kHyperChunk = 4;  ///< blocks: eight points each, and the stiffness
+
+    template <class Real, class Kernel>
+    void assemble_rows(Team& team, double scale, std::span<const double> shift, const AlignedVector<Real>& blocks, Real* value, Kernel kernel) {
+        SUPPLE_ASSERT(!blocks.empty());
+        Hex8Assembly<Real> pass;
+        fill_lists(pass, def_, scale, shift);
+        pass.stiffness = blocks.data();
+        pass.value = value;
+        team.for_range(def_.pattern.rows(), kAssemblyChunk, [&](std::size_t begin, std::size_t end) { kernel(pass, begin, end); });
+    }
+
+    GroupDef def_;
+    const Hex8Rest& rest_;
+    AlignedVector<double> points_;
+    HyperParameters parameters_;
+    void (*kernel_)(const Hex8HyperPass& pass, std::size_t begin, std::size_t end);
+    const Hex8Kernels& kernels_;
+    AlignedVector<double> inner_;       ///< tangent of the last evaluation, [block][kHexInner][lane]
+    std::vector<std::int64_t> place_;   ///< [block] where it lies, for the product kernel
+    AlignedVector<float> block_f_;
+    AlignedVector<double> block_d_;
+};
+
+}  // namespace
+
+std::unique_ptr<Elements> make_frame_hexes(const GroupDef& def, const ElementMaterials& materials) { return std::make_unique<FrameHexes>(def, materials); }
+
+std::unique_ptr<Elements> make_hyper_hexes(const GroupDef& def, const ElementMaterials& materials) { return std::make_unique<HyperHexes>(def, materials); }
+
+}  // namespace supple::fem

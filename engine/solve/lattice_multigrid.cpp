@@ -1,0 +1,434 @@
+#include "supple/solve/lattice_multigrid.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "supple/solve/chunked_sum.h"
+
+namespace supple::solve {
+
+namespace {
+
+constexpr std::size_t kDirectNodes = 110;   // a lattice of so few nodes is solved by its inverse
+constexpr std::size_t kMostLevels = 12;
+constexpr std::size_t kSamples = 9;         // rotations per node: some may belong to inverted elements
+
+/// Sum of unit quaternions, each on the side of the first, made a unit again.
+Eigen::Quaterniond mean_rotation(std::span<const std::int32_t> ids, RotationLookup rotation) {
+    double sum[4] = {0, 0, 0, 0}, first[4] = {1, 0, 0, 0};
+    bool any = false;
+    for (const std::int32_t id : ids) {
+        if (id < 0) break;
+        double q[4];
+        rotation(id, q);
+        if (!any) std::copy(q, q + 4, first);
+        any = true;
+        const double side = q[0] * first[0] + q[1] * first[1] + q[2] * first[2] + q[3] * first[3] < 0 ? -1 : 1;
+        for (int k = 0; k < 4; ++k) sum[k] += side * q[k];
+    }
+    const double norm = std::sqrt(sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2] + sum[3] * sum[3]);
+    if (!(norm > 1e-3)) return Eigen::Quaterniond::Identity();
+    return {sum[0] / norm, sum[1] / norm, sum[2] / norm, sum[3] / norm};
+}
+
+/// out = R v, or R^T v, on x y z of a padded vector.
+template <bool transposed>
+void rotate(const float* R, const float* v, float* out) {
+    for (int i = 0; i < 3; ++i) {
+        out[i] = transposed ? R[4 * i] * v[0] + R[4 * i + 1] * v[1] + R[4 * i + 2] * v[2] : R[i] * v[0] + R[4 + i] * v[1] + R[8 + i] * v[2];
+    }
+    out[3] = 0;
+}
+
+std::vector<std::int32_t> diagonals(const BlockRows& A) {
+    std::vector<std::int32_t> at(A.rows());
+    for (std::size_t i = 0; i < A.rows(); ++i) {
+        const auto first = A.column.begin() + A.row_start[i], last = A.column.begin() + A.row_start[i + 1];
+        at[i] = std::int32_t(std::lower_bound(first, last, std::int32_t(i)) - A.column.begin());
+    }
+    return at;
+}
+
+/// Inverse of a small matrix, dense, in the blocks that the product wants.
+struct DirectSolver {
+    std::vector<std::int32_t> row_start, column;
+    AlignedVector<float> value;
+    AlignedVector<float> b, x;
+
+    explicit DirectSolver(const BlockRows& A) {
+        const std::size_t n = A.rows();
+        Eigen::MatrixXd M = Eigen::MatrixXd::Zero(Eigen::Index(3 * n), Eigen::Index(3 * n));
+        for (std::size_t i = 0; i < n; ++i) {
+            for (std::int32_t k = A.row_start[i]; k < A.row_start[i + 1]; ++k) {
+                for (std::size_t c = 0; c < 3; ++c)
+                    for (std::size_t r = 0; r < 3; ++r)
+                        M(Eigen::Index(3 * i + r), Eigen::Index(3 * std::size_t(A.column[std::size_t(k)]) + c)) = double(A.value[std::size_t(k) * 12 + 4 * c + r]);
+            }
+        }
+        // Rounding may have left the smallest eigenvalues at zero or below: lift the diagonal until the factor exists.
+        Eigen::MatrixXd inverse = Eigen::MatrixXd::Zero(M.rows(), M.cols());
+        for (double lift = 1e-6; lift < 10; lift *= 10) {
+            Eigen::MatrixXd lifted = M;
+            for (Eigen::Index i = 0; i < M.rows(); ++i) lifted(i, i) = M(i, i) > 0 ? M(i, i) * (1 + lift) : 1;
+            const Eigen::LLT<Eigen::MatrixXd> factor(lifted);
+            if (factor.info() != Eigen::Success) continue;
+            inverse = factor.solve(Eigen::MatrixXd::Identity(M.rows(), M.cols()));
+            if (inverse.allFinite()) break;
+            inverse.setZero();
+        }
+        value.assign(n * n * 12, 0);
+        row_start.resize(n + 1);
+        column.resize(n * n);
+        for (std::size_t i = 0; i <= n; ++i) row_start[i] = std::int32_t(i * n);
+        for (std::size_t i = 0; i < n; ++i) {
+            for (std::size_t j = 0; j < n; ++j) {
+                column[i * n + j] = std::int32_t(j);
+                for (std::size_t c = 0; c < 3; ++c)
+                    for (std::size_t r = 0; r < 3; ++r) {
+                        const auto a = Eigen::Index(3 * i + r), b_ = Eigen::Index(3 * j + c);
+                        value[(i * n + j) * 12 + 4 * c + r] = float(0.5 * (inverse(a, b_) + inverse(b_, a)));
+                    }
+            }
+        }
+        b.assign(n * 4, 0.0f);
+        x.assign(n * 4, 0.0f);
+    }
+};
+
+}  // namespace
+
+/// Levels from the finest down. Between level l and l + 1 stands transfer[l].
+template <class Real>
+struct LatticeMultigrid<Real>::Hierarchy {
+    std::vector<BlockRows> matrix;                     ///< of level l + 1; values kept for level 1 alone
+    std::vector<std::unique_ptr<PackedLevel>> level;   ///< smoothed levels
+    std::vector<LatticeInterpolation> transfer;
+    std::vector<AlignedVector<float>> correction;      ///< [transfer][node] unscaled, turned
+    std::unique_ptr<DirectSolver> direct;              ///< below the last smoothed level, or null
+    std::vector<std::int32_t> partly_held;             ///< rows, ascending, with some coordinate free and some held
+    std::vector<std::uint8_t> held;
+    // Warp of level 1.
+    std::vector<std::array<std::int32_t, kSamples>> samples;
+    std::vector<Eigen::Quaterniond, Eigen::aligned_allocator<Eigen::Quaterniond>> at_build;
+    AlignedVector<float> turn;                         ///< [node][column][x y z 0]
+    std::vector<std::int32_t> diagonal1;
+    // Appended rows of the current step.
+    std::vector<std::int32_t> extra_row, extra_node, row_slot, node_slot;
+    std::vector<Mat3> extra, extra_coarse;
+    bool level1_altered = false;
+    std::vector<double> partial;
+};
+
+template <class Real>
+LatticeMultigrid<Real>::LatticeMultigrid(const Bsr3Pattern& pattern, Isa isa) : pattern_(pattern), isa_(isa) {}
+
+template <class Real>
+LatticeMultigrid<Real>::~LatticeMultigrid() = default;
+
+template <class Real>
+bool LatticeMultigrid<Real>::built() const {
+    return h_ != nullptr;
+}
+
+namespace {
+
+std::vector<LatticePoint> lattice_points(const LatticeDef& def) {
+    Vec3 low = Vec3::Constant(HUGE_VAL), high = -low;
+    for (const Vec3& x : def.points) {
+        low = low.cwiseMin(x);
+        high = high.cwiseMax(x);
+    }
+    // No more than 2^20 cells along an axis, whatever the volume says.
+    const double size = std::max((high - low).maxCoeff(), 1e-30);
+    const double spacing = std::max(def.spacing * std::cbrt(def.volume / double(def.points.size())), size * 1e-6);
+    const Vec3 origin = low - Vec3::Constant(0.01 * spacing);
+    std::vector<LatticePoint> points(def.points.size());
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const double at = (def.points[i][Eigen::Index(axis)] - origin[Eigen::Index(axis)]) / spacing;
+            points[i].cell[axis] = std::int32_t(at);
+            points[i].fraction[axis] = float(at - std::floor(at));
+        }
+        points[i].active = def.held[i] != 7;
+    }
+    return points;
+}
+
+/// For each node the rotations of the three points that weigh most there, point by point.
+std::vector<std::array<std::int32_t, kSamples>> choose_samples(const LatticeInterpolation& P, std::span<const std::array<std::int32_t, 3>> rotation_of_row) {
+    std::vector<std::array<std::int32_t, kSamples>> samples(P.node.size());
+    for (std::size_t node = 0; node < samples.size(); ++node) {
+        std::vector<std::pair<float, std::int32_t>> points;
+        for (std::int32_t k = P.to_nodes.row_start[node]; k < P.to_nodes.row_start[node + 1]; ++k) {
+            points.emplace_back(-P.to_nodes.weight[std::size_t(k)], P.to_nodes.column[std::size_t(k)]);
+        }
+        std::sort(points.begin(), points.end());
+        samples[node].fill(-1);
+        std::size_t count = 0;
+        for (std::size_t k = 0; k < points.size() && k < 3; ++k) {
+            for (const std::int32_t id : rotation_of_row[std::size_t(points[k].second)]) {
+                if (id >= 0) samples[node][count++] = id;
+            }
+        }
+    }
+    return samples;
+}
+
+}  // namespace
+
+template <class Real>
+void LatticeMultigrid<Real>::build(Team& team, const LatticeDef& def, const Bsr3<Real>& A, RotationLookup rotation) {
+    h_ = std::make_unique<Hierarchy>();
+    Hierarchy& h = *h_;
+    h.held.assign(def.held.begin(), def.held.end());
+    for (std::size_t i = 0; i < h.held.size(); ++i) {
+        if (h.held[i] != 0 && h.held[i] != 7) h.partly_held.push_back(std::int32_t(i));
+    }
+    h.row_slot.assign(pattern_.rows, -1);
+    h.partial.resize(row_chunks(pattern_.rows) + pattern_.rows);  // the finest level's chunks are never more than its rows
+    h.level.push_back(std::make_unique<PackedLevel>(isa_, pattern_.row_start, pattern_.column));
+    h.level[0]->pack(team, A.value.data(), pattern_.diagonal);
+    h.level[0]->set_smoother(team, def.degree);
+
+    std::vector<LatticePoint> points = lattice_points(def);
+    h.matrix.reserve(kMostLevels);  // levels keep spans of these
+    for (std::size_t l = 0; l < kMostLevels; ++l) {
+        const std::size_t above = points.size();
+        LatticeInterpolation P = l == 0 ? make_interpolation(points, pattern_.row_start, pattern_.column)
+                                        : make_interpolation(points, h.matrix[l - 1].row_start, h.matrix[l - 1].column);
+        const std::size_t nodes = P.node.size();
+        if (nodes == 0 || (l > 0 && nodes > above * 3 / 4)) break;  // all held, or a cloud of parts that no lattice makes fewer
+        h.matrix.push_back(l == 0 ? galerkin<Real>(team, {pattern_.row_start, pattern_.column, A.value.data(), h.held}, P)
+                                  : galerkin<float>(team, {h.matrix[l - 1].row_start, h.matrix[l - 1].column, h.matrix[l - 1].value.data(), {}}, P));
+        if (l == 0) {
+            h.samples = choose_samples(P, def.rotation_of_row);
+            for (const auto& ids : h.samples) h.at_build.push_back(mean_rotation(ids, rotation));
+            h.turn.resize(nodes * 12);
+            h.node_slot.assign(nodes, -1);
+        }
+        points = coarser_points(P.node);
+        h.transfer.push_back(std::move(P));
+        h.correction.emplace_back(nodes * 4, 0.0f);
+        const BlockRows& coarse = h.matrix.back();
+        if (nodes <= kDirectNodes) {
+            h.direct = std::make_unique<DirectSolver>(coarse);
+            break;
+        }
+        const std::vector<std::int32_t> diagonal = diagonals(coarse);
+        h.level.push_back(std::make_unique<PackedLevel>(isa_, coarse.row_start, coarse.column));
+        h.level.back()->pack(team, coarse.value.data(), diagonal);
+        h.level.back()->set_smoother(team, def.degree);
+        if (l == 0) h.diagonal1 = diagonal;
+    }
+    for (std::size_t l = 1; l < h.matrix.size(); ++l) h.matrix[l].value = {};
+    turn(team, rotation);
+}
+
+template <class Real>
+void LatticeMultigrid<Real>::turn(Team& team, RotationLookup rotation) {
+    Hierarchy& h = *h_;
+    team.for_range(h.samples.size(), 256, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t node = begin; node < end; ++node) {
+            const Eigen::Quaterniond q = mean_rotation(h.samples[node], rotation) * h.at_build[node].conjugate();
+            const Mat3 R = q.toRotationMatrix();
+            float* out = h.turn.data() + node * 12;
+            for (int c = 0; c < 3; ++c)
+                for (int i = 0; i < 4; ++i) out[4 * c + i] = i < 3 ? float(R(i, c)) : 0.0f;
+        }
+    });
+}
+
+namespace {
+
+/// Adds `block` to the entry of `row` in a list of blocks by row; slot [row] says where in the list, -1: nowhere yet.
+void add_to(std::vector<std::int32_t>& slot, std::vector<std::int32_t>& rows, std::vector<Mat3>& blocks, std::int32_t row, const Mat3& block) {
+    std::int32_t& at = slot[std::size_t(row)];
+    if (at < 0) {
+        at = std::int32_t(rows.size());
+        rows.push_back(row);
+        blocks.push_back(block);
+    } else {
+        blocks[std::size_t(at)] += block;
+    }
+}
+
+void clear(std::vector<std::int32_t>& slot, std::vector<std::int32_t>& rows, std::vector<Mat3>& blocks) {
+    for (const std::int32_t row : rows) slot[std::size_t(row)] = -1;
+    rows.clear();
+    blocks.clear();
+}
+
+}  // namespace
+
+template <class Real>
+void LatticeMultigrid<Real>::update(Team& team, const Bsr3<Real>& A, std::span<const AppendedRow> appended) {
+    Hierarchy& h = *h_;
+    clear(h.row_slot, h.extra_row, h.extra);
+    clear(h.node_slot, h.extra_node, h.extra_coarse);
+    for (const AppendedRow& row : appended) {
+        for (std::size_t i = 0; i < row.row.size(); ++i) {
+            add_to(h.row_slot, h.extra_row, h.extra, row.row[i], row.weight[i].asDiagonal() * row.stiffness * row.weight[i].asDiagonal());
+        }
+    }
+    h.level[0]->pack(team, A.value.data(), pattern_.diagonal, h.extra_row, h.extra);
+    if (h.level.size() < 2) return;
+    // Level 1 sees appended stiffness lumped on its nodes, in the frame of the build: what moves all of them alike meets it in full.
+    const ScalarRows& P = h.transfer[0].to_points;
+    for (std::size_t k = 0; k < h.extra_row.size(); ++k) {
+        for (std::int32_t w = P.row_start[std::size_t(h.extra_row[k])]; w < P.row_start[std::size_t(h.extra_row[k]) + 1]; ++w) {
+            const std::int32_t node = P.column[std::size_t(w)];
+            const float* R = h.turn.data() + std::size_t(node) * 12;
+            Mat3 D;
+            for (int c = 0; c < 3; ++c)
+                for (int i = 0; i < 3; ++i) D(i, c) = double(R[4 * c + i]);
+            add_to(h.node_slot, h.extra_node, h.extra_coarse, node, double(P.weight[std::size_t(w)]) * D.transpose() * h.extra[k] * D);
+        }
+    }
+    if (h.extra_node.empty() && !h.level1_altered) return;
+    h.level[1]->pack(team, h.matrix[0].value.data(), h.diagonal1, h.extra_node, h.extra_coarse);
+    h.level1_altered = !h.extra_node.empty();
+}
+
+/// From the residual t of `level` to the correction of its points: restricts, solves below.
+template <class Real>
+void LatticeMultigrid<Real>::down(Team& team, std::size_t level) {
+    Hierarchy& h = *h_;
+    const LatticeInterpolation& P = h.transfer[level];
+    const PackedKernels& kernels = packed_kernels(isa_);
+    const float* fine = h.level[level]->t.data();
+    const std::size_t nodes = P.node.size();
+    const bool last = level + 1 == h.level.size();
+    PackedLevel* coarse = last ? nullptr : h.level[level + 1].get();
+    float* b = last ? h.direct->b.data() : coarse->r.data();
+    team.for_range(nodes, last ? nodes : coarse->chunk(), [&](std::size_t begin, std::size_t end) {
+        kernels.gather(P.to_nodes.row_start.data(), P.to_nodes.column.data(), P.to_nodes.weight.data(), fine, b, begin, end);
+        for (std::size_t i = begin; i < end; ++i) {
+            float v[4];
+            if (level == 0) {
+                rotate<true>(h.turn.data() + i * 12, b + 4 * i, v);
+            } else {
+                std::copy(b + 4 * i, b + 4 * i + 4, v);
+            }
+            const float s = last ? 1.0f : coarse->inverse_scale()[i];
+            for (std::size_t c = 0; c < 4; ++c) b[4 * i + c] = s * v[c];
+        }
+        if (!last) coarse->smooth_first(begin, end);
+    });
+    float* out = h.correction[level].data();
+    const auto finish = [&](const float* x, const float* scale, std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const float s = scale ? scale[i] : 1.0f;
+            const float v[4] = {s * x[4 * i], s * x[4 * i + 1], s * x[4 * i + 2], 0};
+            if (level == 0) {
+                rotate<false>(h.turn.data() + i * 12, v, out + 4 * i);
+            } else {
+                std::copy(v, v + 4, out + 4 * i);
+            }
+        }
+    };
+    if (last) {
+        DirectSolver& d = *h.direct;
+        const std::size_t half = nodes > 64 ? (nodes + 1) / 2 : nodes;
+        team.for_range(nodes, half, [&](std::size_t begin, std::size_t end) {
+            bsr3_kernels<float>(isa_).multiply(d.row_start.data(), d.column.data(), d.value.data(), d.b.data(), d.x.data(), begin, end);
+            finish(d.x.data(), nullptr, begin, end);
+        });
+        return;
+    }
+    cycle(team, level + 1);
+    team.for_range(nodes, coarse->chunk(), [&](std::size_t begin, std::size_t end) {
+        const bool two = coarse->degree() == 2;
+        if (two) {
+            coarse->restart_second(begin, end);
+        } else {
+            coarse->restart_first(begin, end);
+        }
+        finish(two ? coarse->y.data() : coarse->x.data(), coarse->inverse_scale(), begin, end);
+    });
+}
+
+/// From r and x = smooth_first(r) of a level to where only its last smoothing step is left: that is fused with what follows.
+template <class Real>
+void LatticeMultigrid<Real>::cycle(Team& team, std::size_t l) {
+    Hierarchy& h = *h_;
+    PackedLevel& level = *h.level[l];
+    const std::size_t n = level.rows(), chunk = level.chunk();
+    const bool two = level.degree() == 2;
+    if (two) {
+        team.for_range(n, chunk, [&](std::size_t begin, std::size_t end) { level.smooth_second(begin, end); });
+    } else {
+        level.y.swap(level.x);
+    }
+    if (l < h.transfer.size()) {
+        team.for_range(n, chunk, [&](std::size_t begin, std::size_t end) { level.residual(level.y.data(), begin, end); });
+        down(team, l);
+        const ScalarRows& P = h.transfer[l].to_points;
+        team.for_range(n, chunk, [&](std::size_t begin, std::size_t end) {
+            packed_kernels(isa_).prolong(P.row_start.data(), P.column.data(), P.weight.data(), h.correction[l].data(), level.scale(), level.y.data(),
+                                         begin, end);
+            if (l != 0 || h.partly_held.empty()) return;
+            auto at = std::lower_bound(h.partly_held.begin(), h.partly_held.end(), std::int32_t(begin));
+            for (; at != h.partly_held.end() && *at < std::int32_t(end); ++at) {
+                for (std::size_t c = 0; c < 3; ++c) {
+                    if (h.held[std::size_t(*at)] >> c & 1) level.y[4 * std::size_t(*at) + c] = 0;
+                }
+            }
+        });
+    }
+    if (two) team.for_range(n, chunk, [&](std::size_t begin, std::size_t end) { level.restart_first(begin, end); });
+}
+
+template <class Real>
+double LatticeMultigrid<Real>::apply(Team& team, const Real* r, Real* z) {
+    Hierarchy& h = *h_;
+    PackedLevel& fine = *h.level[0];
+    const std::size_t n = fine.rows(), chunk = fine.chunk();
+    team.for_range(n, chunk, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const float s = fine.inverse_scale()[i];
+            for (std::size_t c = 0; c < 4; ++c) fine.r[4 * i + c] = s * float(r[4 * i + c]);
+        }
+        fine.smooth_first(begin, end);
+    });
+    cycle(team, 0);
+    const bool two = fine.degree() == 2;
+    team.for_range(n, chunk, [&](std::size_t begin, std::size_t end) {
+        const double dot = two ? fine.restart_second(begin, end) : fine.restart_first(begin, end);
+        h.partial[begin / chunk] = dot;
+        const float* x = two ? fine.y.data() : fine.x.data();
+        for (std::size_t i = begin; i < end; ++i) {
+            const float s = fine.inverse_scale()[i];
+            for (std::size_t c = 0; c < 4; ++c) z[4 * i + c] = Real(s * x[4 * i + c]);
+        }
+    });
+    double sum = 0;
+    for (std::size_t k = 0; k < fine.chunks(); ++k) sum += h.partial[k];
+    return sum;
+}
+
+template <class Real>
+std::vector<std::size_t> LatticeMultigrid<Real>::level_rows() const {
+    std::vector<std::size_t> rows;
+    if (!h_) return rows;
+    for (const auto& level : h_->level) rows.push_back(level->rows());
+    if (h_->direct) rows.push_back(h_->direct->b.size() / 4);
+    return rows;
+}
+
+template <class Real>
+std::size_t LatticeMultigrid<Real>::bytes() const {
+    std::size_t sum = 0;
+    if (!h_) return sum;
+    for (const auto& level : h_->level) sum += level->bytes();
+    for (const auto& P : h_->transfer) sum += 2 * P.to_points.column.size() * 8;
+    if (!h_->matrix.empty()) sum += h_->matrix[0].value.size() * 4;
+    if (h_->direct) sum += h_->direct->value.size() * 4;
+    return sum;
+}
+
+template class LatticeMultigrid<float>;
+template class LatticeMultigrid<double>;
+
+}  // namespace supple::solve

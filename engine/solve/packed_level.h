@@ -1,0 +1,57 @@
+#pragma once
+#include <span>
+
+#include "supple/base/aligned.h"
+#include "supple/base/parallel.h"
+#include "supple/math/types.h"
+#include "supple/solve/packed_kernels.h"
+
+namespace supple::solve {
+
+/// A matrix in 16-bit blocks with its Chebyshev smoother: one level of a multigrid.
+class PackedLevel {
+public:
+    /// The pattern must outlive the level.
+    PackedLevel(Isa isa, std::span<const std::int32_t> row_start, std::span<const std::int32_t> column);
+
+    std::size_t rows() const { return row_start_.size() - 1; }
+    std::size_t blocks() const { return column_.size(); }
+    std::size_t bytes() const;
+    std::size_t chunk() const { return chunk_; }          ///< rows per piece of work
+    std::size_t chunks() const { return (rows() + chunk_ - 1) / chunk_; }
+    const float* scale() const { return scale_.data(); }
+    const float* inverse_scale() const { return inverse_scale_.data(); }
+
+    /// Takes in new values, [block][column][x y z 0]; `diagonal` [row] is the block index of (row, row). extra[i] is added to the diagonal block of extra_row[i] (each row at most once).
+    template <class Real>
+    void pack(Team& team, const Real* value, std::span<const std::int32_t> diagonal, std::span<const std::int32_t> extra_row = {},
+              std::span<const Mat3> extra = {});
+
+    /// Bounds the eigenvalues of D^-1 A by power steps and sets the smoother's polynomial: Chebyshev of the given degree (1 or 2) on
+    /// the upper three quarters. Uses the work vectors.
+    void set_smoother(Team& team, int degree);
+    float largest_eigenvalue() const { return lambda_; }
+    int degree() const { return degree_; }
+
+    // Rows [begin, end) of the smoother; vectors are scaled, [row][x y z 0].
+    void smooth_first(std::size_t begin, std::size_t end);                 ///< x = c D^-1 r
+    void smooth_second(std::size_t begin, std::size_t end);                ///< y from x, as the second term of the polynomial from zero
+    double restart_first(std::size_t begin, std::size_t end);              ///< x from y; returns r . x
+    double restart_second(std::size_t begin, std::size_t end);             ///< y from x and y; returns r . y
+    void residual(const float* of, std::size_t begin, std::size_t end);    ///< t = residual of `of`, unscaled
+
+    AlignedVector<float> r, x, y, t;
+
+private:
+    PackedRows view() const { return {row_start_.data(), column_.data(), value_.data(), inverse_.data(), scale_.data()}; }
+
+    const PackedKernels& kernels_;
+    std::span<const std::int32_t> row_start_, column_;
+    AlignedVector<std::int16_t> value_;
+    AlignedVector<float> inverse_, scale_, inverse_scale_;
+    std::size_t chunk_ = 1;
+    int degree_ = 2;
+    float lambda_ = 2, first_ = 0, momentum_ = 0, second_ = 0;
+};
+
+}  // namespace supple::solve

@@ -1,0 +1,31 @@
+#pragma once
+#include "supple/world/stages.h"
+
+namespace supple {
+
+/// Which preconditioner a body's solves use, and when its frozen parts are made anew. Decisions rest on sizes and iteration counts, never on
+/// the clock, and their memory is part of the state (BodyState::solver): a run that is continued decides alike.
+
+/// Where BodyState::solver keeps what.
+enum SolverMemory : std::size_t {
+    kMemoryKind,        ///< PreconditionerKind at work; automatic: not chosen yet
+    kMemoryBase,        ///< iterations of the first solve with the current hierarchy, 0: none yet
+    kMemorySlow,        ///< solves in a row that took half as many again
+    kMemoryTrial,       ///< solves until block-Jacobi is tried again
+    kMemoryBroken,      ///< solves that block-Jacobi stands in for a preconditioner that broke down
+    kMemoryCount
+};
+
+/// Makes what the body's next solves need: chooses the kind, builds frozen parts that are missing or out of date. Uses the elements and the matrix of
+/// the body, so it comes before a step's evaluation. Allocates when it builds.
+void prepare_preconditioner(StepContext& ctx, Body& body);
+
+/// What was built in `body` no longer fits its inputs: supports, material, restored state.
+void drop_preconditioner(Body& body);
+
+/// Solves the body's system with its preconditioner, and goes on with block-Jacobi where that breaks down. 
+/// @param remember  its iterations, for the choices above: of the first solve of a step, which are alike from step to step
+solve::LinearSolveResult solve_preconditioned(StepContext& ctx, Body& body, std::span<const std::span<const Vec3>> guesses,
+                                              const solve::LinearSolveDef& def, bool remember, FunctionRef<void(const Vec3*, Vec3*)> true_residual);
+
+}  // namespace supple

@@ -1,0 +1,151 @@
+// Preconditioners in a world: the choice, the same bits whatever the team and after a snapshot, the step budget.
+#include <gtest/gtest.h>
+
+#include "supple/solve/scalar_laplacian.h"
+#include "support/elastic_problem.h"
+
+namespace supple {
+namespace {
+
+struct Bar {
+    World world;
+    BodyId body;
+
+    static WorldDef make(PreconditionerKind kind, int threads, double tolerance) {
+        WorldDef def;
+        def.time_step_s = 0.01;
+        def.threads = threads;
+        def.solver.preconditioner = kind;
+        def.solver.cg_relative_tolerance = tolerance;
+        return def;
+    }
+    Bar(PreconditionerKind kind, std::array<int, 3> cells = {24, 6, 6}, int threads = 2, double young_pa = 1e5, double tolerance = 1e-5)
+        : Bar(make(kind, threads, tolerance), cells, young_pa) {}
+    Bar(const WorldDef& def, std::array<int, 3> cells, double young_pa)
+        : world(def), body(world.add_body({.shape = test::bar(cells), .material = Corotational{.young_pa = young_pa, .poisson = 0.4}})) {
+        world.fix(body, test::at_x(0));
+    }
+    int run(int steps) {
+        int iterations = 0;
+        for (int n = 0; n < steps; ++n) {
+            const StepReport report = world.step();
+            EXPECT_EQ(report.flags, StepFlag::none);
+            iterations += report.cg_iterations;
+        }
+        return iterations;
+    }
+};
+
+TEST(WorldPreconditioner, NoneChangesTheMotion) {
+    std::vector<std::vector<Vec3>> positions;
+    std::vector<int> iterations;
+    for (const PreconditionerKind kind : {PreconditionerKind::block_jacobi, PreconditionerKind::lattice_multigrid, PreconditionerKind::scalar_laplacian}) {
+        Bar bar(kind, {16, 4, 4}, 1, 1e5, 1e-9);
+        iterations.push_back(bar.run(20));
+        positions.push_back(test::copy(bar.world.positions(bar.body)));
+    }
+    for (const auto& p : positions) EXPECT_LT(test::relative_difference(p, positions[0]), 1e-7);
+    EXPECT_LT(4 * iterations[1], iterations[0]);
+    EXPECT_LT(1.5 * iterations[2], iterations[0]);
+}
+
+TEST(WorldPreconditioner, TheScalarLaplacianSolvesWhatTheDirectSolverSolves) {
+    const auto held = [](const Vec3& X) { return std::uint8_t(X.x() < 1e-9 ? 7 : X.x() > 1 - 1e-9 ? 2 : 0); };
+    test::ElasticProblem<double> problem(test::irregular_cube(7, 0.2, 7), {.young_pa = 3e5}, held);
+    solve::ScalarLaplacian<double> P(problem.rows());
+    ASSERT_TRUE(P.build(problem.A, problem.held));
+    std::vector<Vec3> x;
+    EXPECT_TRUE(problem.solve(P, 1e-11, x).converged);
+    EXPECT_LT(test::relative_difference(x, problem.direct()), 1e-9);
+}
+
+TEST(WorldPreconditioner, AutoTakesTheMultigridWhereItPays) {
+    // Stiff: a few iterations whatever the size. Soft at a short step: block-Jacobi, which needs no hierarchy, is tried and kept.
+    Bar stiff(PreconditionerKind::automatic, {32, 8, 8});
+    stiff.run(5);
+    EXPECT_LE(stiff.run(10), 10 * 16);
+    WorldDef def = Bar::make(PreconditionerKind::automatic, 2, 1e-3);
+    def.time_step_s = 1e-3;
+    Bar soft(def, {32, 8, 8}, 1e4);
+    soft.run(80);
+    EXPECT_GT(soft.run(20), 20 * 3) << "still the multigrid";
+    // Small and stiff: begins with block-Jacobi, and leaves it.
+    Bar small(PreconditionerKind::automatic, {16, 4, 4});
+    const int first = small.run(2);
+    EXPECT_LT(small.run(8) / 8, first / 2);
+}
+
+TEST(WorldPreconditioner, AnyTeamGivesTheSameBits) {
+    std::vector<std::uint64_t> hashes;
+    for (const int threads : {1, 2, 3, 8}) {
+        Bar bar(PreconditionerKind::lattice_multigrid, {24, 6, 6}, threads);
+        bar.run(6);
+        hashes.push_back(bar.world.hash());
+    }
+    for (const std::uint64_t hash : hashes) EXPECT_EQ(hash, hashes[0]);
+}
+
+TEST(WorldPreconditioner, ASnapshotGoesOnBitForBit) {
+    for (const PreconditionerKind kind : {PreconditionerKind::automatic, PreconditionerKind::lattice_multigrid, PreconditionerKind::scalar_laplacian}) {
+        Bar first(kind);
+        first.run(4);
+        // New supports in the middle of the motion: the hierarchy is built anew.
+        first.world.fix(first.body, InsideBox{{0.39, -1, -1}, {1, 1, 1}}, {.x = false, .y = true, .z = false});
+        first.run(4);
+        const auto snapshot = first.world.save();
+        first.run(12);
+        Bar second(kind);
+        second.world.fix(second.body, InsideBox{{0.39, -1, -1}, {1, 1, 1}}, {.x = false, .y = true, .z = false});
+        second.world.restore(snapshot);
+        second.run(12);
+        EXPECT_EQ(first.world.hash(), second.world.hash());
+        first.world.restore(snapshot);
+        first.run(12);
+        EXPECT_EQ(first.world.hash(), second.world.hash());
+    }
+}
+
+TEST(WorldPreconditioner, ResetReturnsToTheBeginning) {
+    Bar bar(PreconditionerKind::lattice_multigrid);
+    bar.run(8);
+    const std::uint64_t once = bar.world.hash();
+    bar.world.reset();
+    bar.run(8);
+    EXPECT_EQ(bar.world.hash(), once);
+}
+
+TEST(WorldPreconditioner, ABudgetEndsTheStepWithWhatItHas) {
+    WorldDef def = Bar::make(PreconditionerKind::block_jacobi, 1, 1e-10);
+    def.solver.step_budget_us = 1;  // over before the first iteration
+    Bar bar(def, {16, 4, 4}, 1e6);
+    const StepReport report = bar.world.step();
+    EXPECT_NE(report.flags & StepFlag::budget, StepFlag::none);
+    EXPECT_EQ(report.flags & StepFlag::iteration_cap, StepFlag::none);
+    EXPECT_EQ(report.cg_iterations, 0);
+    EXPECT_GT(report.cg_relative_residual, 1e-10);
+    EXPECT_TRUE(test::all_finite(bar.world.positions(bar.body)));
+    def.solver.step_budget_us = 1e8;
+    Bar ample(def, {16, 4, 4}, 1e6);
+    EXPECT_EQ(ample.world.step().flags, StepFlag::none);
+    def.solver.step_budget_us = -1;
+    EXPECT_THROW(World{def}, Error);
+}
+
+TEST(WorldPreconditioner, AnyInstructionSetCanBeAskedFor) {
+    std::vector<std::vector<Vec3>> positions;
+    for (const Isa isa : kAllIsas) {
+        WorldDef def = Bar::make(PreconditionerKind::lattice_multigrid, 1, 1e-8);
+        def.isa = isa;
+        if (!is_supported(isa)) {
+            EXPECT_THROW(World{def}, Error);
+            continue;
+        }
+        Bar bar(def, {12, 3, 3}, 1e5);
+        bar.run(5);
+        positions.push_back(test::copy(bar.world.positions(bar.body)));
+    }
+    for (const auto& p : positions) EXPECT_LT(test::relative_difference(p, positions[0]), 1e-6);
+}
+
+}  // namespace
+}  // namespace supple
