@@ -14,6 +14,7 @@ void add_run_command(CLI::App& app, int& status);
 void add_record_command(CLI::App& app, int& status);
 void add_bench_command(CLI::App& app, int& status);
 void add_eval_command(CLI::App& app, int& status);
+void add_inspect_command(CLI::App& app, int& status);
 void add_mesh_command(CLI::App& app, int& status);
 void add_verify_command(CLI::App& app, int& status);
 

@@ -31,7 +31,7 @@ struct RecordOptions {
     std::size_t stills = 0;
     ShowOptions show;
     FrameOptions frame;
-    std::string color_by;
+    std::string color_by, stress_at = "vertex", range;
     bool no_stress = false;
     bool quiet = false;
 };
@@ -85,6 +85,15 @@ void read_size(const std::string& text, int& width, int& height) {
         throw Error(ErrorCode::invalid_argument, "--size " + text, "is not WIDTHxHEIGHT, e.g. 1280x720");
 }
 
+std::array<double, 2> read_range(const std::string& text) {
+    double low = 0, high = 0;
+    int used = 0;
+    if (std::sscanf(text.c_str(), "%lf,%lf%n", &low, &high, &used) != 2 || used != static_cast<int>(text.size()) || !(low < high) ||
+        !std::isfinite(low) || !std::isfinite(high))
+        throw Error(ErrorCode::invalid_argument, "--range " + text, "is not LOW,HIGH in Pa with LOW below HIGH, e.g. 0,5000");
+    return {low, high};
+}
+
 /// What the line at the top left says: the median of the last steps, so that the digits can be read.
 class Hud {
 public:
@@ -127,6 +136,8 @@ int record(RecordOptions o) {
     if (o.color_by == "stress") o.frame.color_by = ColorBy::stress;
     if (o.color_by == "stiffness") o.frame.color_by = ColorBy::stiffness;
     if (o.no_stress) o.frame.color_by = ColorBy::nothing;
+    o.frame.stress_at = o.stress_at == "element" ? FrameOptions::At::element : o.stress_at == "point" ? FrameOptions::At::point : FrameOptions::At::vertex;
+    if (!o.range.empty()) o.frame.range_pa = read_range(o.range);
     const OpenedShow opened = open_show(o.scene, o.show);
     Show& show = *opened.show;
     World& world = show.world();
@@ -181,6 +192,10 @@ void add_record_command(CLI::App& app, int& status) {
     CLI::Option* color_by = command->add_option("--color-by", o->color_by, "stress (von Mises) or stiffness (Young's modulus) [stress, or what the demo shows]")
                                 ->check(CLI::IsMember({"stress", "stiffness"}));
     command->add_flag("--no-stress", o->no_stress, "plain material instead of a colour map")->excludes(color_by);
+    command->add_option("--stress-at", o->stress_at, "stress map: vertex (smooth), element (flat) or point (inside a translucent body) [vertex]")
+        ->check(CLI::IsMember({"vertex", "element", "point"}));
+    command->add_option("--range", o->range, "LOW,HIGH of the colours [Pa] [automatic: smoothed, 99 % of the stresses]");
+    command->add_option("--opacity", o->frame.opacity, "of the bodies, 0.01..1 [1; with points 0.25]")->check(CLI::Range(0.01, 1.0));
     command->add_flag("--wireframe", o->frame.wireframe, "draw the edges of the elements");
     command->add_option("--threads", o->show.threads, "threads [those of the scene, or all cores]")->check(CLI::Range(1, 256));
     command->add_flag("--quiet", o->quiet, "no progress bar and no table");

@@ -10,6 +10,7 @@
 #include "stress_options.h"
 #include "supple/base/error.h"
 #include "supple/io/binary_file.h"
+#include "supple/io/probe_table.h"
 #include "supple/io/text_files.h"
 
 namespace supple::demos {
@@ -20,14 +21,14 @@ struct RunOptions {
     std::size_t steps = 0;  ///< 0 = not given: 300, or the duration of a demo
     bool steps_given = false;
     ShowOptions show;
-    std::string report, positions, velocities, save, restore;
+    std::string report, positions, velocities, save, restore, probes;
     StressOptions stress;
     bool quiet = false;
 };
 
 void check(const RunOptions& o) {
     o.stress.check();
-    for (const std::string& file : {o.report, o.positions, o.velocities, o.save}) require_writable(file);
+    for (const std::string& file : {o.report, o.positions, o.velocities, o.save, o.probes}) require_writable(file);
 }
 
 /// All bodies one after the other, in the order of the scene.
@@ -45,9 +46,24 @@ void write_results(const RunOptions& o, const World& world, const StepStatistics
     if (!o.report.empty()) statistics.write_report(o.report, world);
     if (!o.positions.empty()) io::write_vectors(o.positions, of_all_bodies(world, &World::positions));
     if (!o.velocities.empty()) io::write_vectors(o.velocities, of_all_bodies(world, &World::velocities));
-    if (!o.stress.file.empty())
-        io::write_stress(o.stress.file, of_all_bodies(world, o.stress.at_vertices() ? &World::cauchy_stress : &World::element_cauchy_stress));
+    if (!o.stress.file.empty()) {
+        std::vector<Voigt> all;
+        for (const BodyId body : world.bodies()) {
+            const StressField field = world.stress(body, o.stress.def());
+            all.insert(all.end(), field.cauchy_pa.begin(), field.cauchy_pa.end());
+        }
+        io::write_stress(o.stress.file, all);
+    }
     if (!o.save.empty()) io::write_binary_file(o.save, world.save());
+}
+
+/// The show's own probes, or one over each body.
+std::vector<Probe> probes_of(Show& show) {
+    std::vector<Probe> probes = show.make_probes();
+    if (!probes.empty()) return probes;
+    const World& world = show.world();
+    for (const BodyId body : world.bodies()) probes.emplace_back(world, body, ProbeDef{.name = "all", .where = Everything{}});
+    return probes;
 }
 
 void print_findings(const World& world) {
@@ -83,15 +99,22 @@ int run(const RunOptions& o) {
     if (!o.steps_given)
         steps = opened.is_demo ? static_cast<std::size_t>(std::llround(opened.show->duration_s() / world.def().time_step_s)) : 300;
     StepStatistics statistics;
+    std::vector<Probe> probes = o.probes.empty() ? std::vector<Probe>{} : probes_of(*opened.show);
+    io::ProbeTable table;
     {
         Progress progress(opened.name, steps, o.quiet);
         for (std::size_t i = 0; i < steps; ++i) {
             opened.show->before_step();
             statistics.add(world, world.step());
+            for (Probe& probe : probes) {
+                probe.read(world);
+                table.add(world, probe);
+            }
             progress.show(i + 1);
         }
     }
     write_results(o, world, statistics);
+    if (!o.probes.empty()) table.write(o.probes);
     if (!o.quiet) print_summary(opened.name, world, statistics);
     std::fputs(statistics.flag_sentences().c_str(), stderr);
     return statistics.flags().empty() ? kAllWell : kRunFailed;
@@ -110,6 +133,7 @@ void add_run_command(CLI::App& app, int& status) {
     command->add_option("--positions", o->positions, "write the final positions, x y z a line [m]");
     command->add_option("--velocities", o->velocities, "write the final velocities [m/s]");
     o->stress.add(*command);
+    command->add_option("--probes", o->probes, "write the readings of the scene's probes (or of one over each body) after each step, as CSV");
     command->add_option("--save", o->save, "write a snapshot after the last step");
     command->add_option("--restore", o->restore, "begin from a snapshot of the same scene");
     command->add_flag("--quiet", o->quiet, "no progress bar and no summary");

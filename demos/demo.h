@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "supple/render/frame_view.h"
+#include "supple/world/probe.h"
 #include "supple/world/world.h"
 
 namespace supple::demos {
@@ -22,6 +23,7 @@ public:
     virtual void before_step() {}                    ///< scripted touch; simulated time is world().time_s()
     virtual void decorate(FrameView& view) { (void)view; }  ///< camera, caption, colour range, arrows; surfaces are already there
     virtual ColorBy color_by() const { return ColorBy::stress; }  ///< at this moment, unless the command line says otherwise
+    virtual std::vector<Probe> make_probes() { return {}; }  ///< what `run --probes` watches; none: every body as a whole
     virtual double duration_s() const { return 10; } ///< how long `record` runs by default
 };
 

@@ -69,12 +69,42 @@ double StressRange::update(std::vector<double> stresses_pa, double elapsed_s) {
 FrameBuilder::FrameBuilder(Show& show, FrameOptions options)
     : show_(&show), options_(std::move(options)), ground_m_(ground_below(show.world())) {}
 
+void FrameBuilder::add_stress(std::size_t b, SurfaceView& surface, std::vector<double>& stresses) {
+    const World& world = show_->world();
+    const BodyId body = world.bodies()[b];
+    if (options_.stress_at == FrameOptions::At::vertex) {
+        surface.scalar = world.von_mises(body);
+        stresses.insert(stresses.end(), surface.scalar.begin(), surface.scalar.end());
+        return;
+    }
+    const std::span<const double> elements = world.element_von_mises(body);
+    stresses.insert(stresses.end(), elements.begin(), elements.end());
+    if (options_.stress_at == FrameOptions::At::element) {
+        flat_[b].clear();
+        for (const std::int32_t e : world.shape(body).boundary().element) flat_[b].push_back(elements[std::size_t(e)]);
+        surface.triangle_scalar = flat_[b];
+        return;
+    }
+    centres_[b].clear();
+    const auto add_centre = [&](const auto& element) {
+        Vec3 centre = Vec3::Zero();
+        for (const std::int32_t v : element) centre += positions_[b][std::size_t(v)] / double(element.size());
+        centres_[b].push_back(centre);
+    };
+    for (const Tet& t : world.shape(body).mesh().tets) add_centre(t);
+    for (const Hex& h : world.shape(body).mesh().hexes) add_centre(h);
+    view_.points.push_back({centres_[b], elements, 6});
+    if (!options_.opacity) surface.opacity = 0.25;
+    surface.look = Look::rubber;
+    surface.color = {0.80f, 0.82f, 0.85f};  // glass: the colours of the points stay what they are
+}
+
 const FrameView& FrameBuilder::build(double alpha, const std::string& hud, double elapsed_s) {
     const World& world = show_->world();
     const std::vector<BodyId> bodies = world.bodies();
     view_ = FrameView{};
-    positions_.resize(bodies.size());
-    stiffness_.resize(bodies.size());
+    for (auto* lists : {&positions_, &centres_}) lists->resize(bodies.size());
+    for (auto* lists : {&flat_, &stiffness_}) lists->resize(bodies.size());
     const ColorBy by = options_.color_by.value_or(show_->color_by());
     std::vector<double> stresses;
     double stiffest = 0;
@@ -89,10 +119,8 @@ const FrameView& FrameBuilder::build(double alpha, const std::string& hud, doubl
         surface.triangles = boundary.triangles;
         surface.reference_positions = world.shape(bodies[b]).mesh().vertices;
         if (options_.wireframe) surface.edges = boundary.edges;
-        if (by == ColorBy::stress) {
-            surface.scalar = world.von_mises(bodies[b]);
-            stresses.insert(stresses.end(), surface.scalar.begin(), surface.scalar.end());
-        }
+        if (options_.opacity) surface.opacity = *options_.opacity;
+        if (by == ColorBy::stress) add_stress(b, surface, stresses);
         if (by == ColorBy::stiffness) {
             stiffness_[b] = vertex_stiffness(world, bodies[b]);
             surface.scalar = stiffness_[b];
@@ -102,7 +130,7 @@ const FrameView& FrameBuilder::build(double alpha, const std::string& hud, doubl
     }
     if (by == ColorBy::stress && !stresses.empty()) {
         view_.scale = ColorScale{};
-        view_.scale->high = range_.update(std::move(stresses), elapsed_s);
+        if (!options_.range_pa) view_.scale->high = range_.update(std::move(stresses), elapsed_s);
     }
     if (by == ColorBy::stiffness && stiffest > 0) {
         view_.scale = ColorScale{};
@@ -113,6 +141,10 @@ const FrameView& FrameBuilder::build(double alpha, const std::string& hud, doubl
     view_.hud = hud;
     show_->decorate(view_);
     if (view_.scale) view_.scale->map = options_.map;
+    if (view_.scale && options_.range_pa) {
+        view_.scale->low = (*options_.range_pa)[0];
+        view_.scale->high = (*options_.range_pa)[1];
+    }
     return view_;
 }
 

@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,6 +11,10 @@ namespace supple::demos {
 
 struct FrameOptions {
     std::optional<ColorBy> color_by;  ///< none: what the show wants
+    enum class At { vertex, element, point };
+    At stress_at = At::vertex; ///< smooth; flat per element; points at the centres of the elements in a translucent body
+    std::optional<std::array<double, 2>> range_pa;  ///< of the colours; empty: automatic
+    std::optional<double> opacity;                  ///< of the bodies; empty: 1, for points 0.25
     bool wireframe = false;
     std::string map = "viridis";
 };
@@ -41,8 +46,10 @@ private:
     double ground_m_;
     StressRange range_;
     FrameView view_;
-    std::vector<std::vector<Vec3>> positions_;
-    std::vector<std::vector<double>> stiffness_;  ///< per body and vertex
+    std::vector<std::vector<Vec3>> positions_, centres_;
+    std::vector<std::vector<double>> flat_, stiffness_;  ///< per body: of triangles, of vertices
+
+    void add_stress(std::size_t b, SurfaceView& surface, std::vector<double>& stresses);
 };
 
 }  // namespace supple::demos

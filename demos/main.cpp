@@ -27,6 +27,7 @@ int main(int argc, char** argv) {
     add_record_command(app, status);
     add_bench_command(app, status);
     add_eval_command(app, status);
+    add_inspect_command(app, status);
     add_mesh_command(app, status);
     add_verify_command(app, status);
     const auto is_command = [&](const std::string& word) {

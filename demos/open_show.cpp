@@ -8,6 +8,7 @@
 
 #include "framing.h"
 #include "supple/base/error.h"
+#include "supple/io/probe_table.h"
 #include "supple/io/scene.h"
 
 namespace supple::demos {
@@ -18,7 +19,8 @@ namespace fs = std::filesystem;
 /// A scene file as a show: nobody touches it; the camera is the file's, or frames all bodies.
 class SceneShow : public Show {
 public:
-    SceneShow(const io::Scene& scene, std::string name) : world_(io::build_world(scene)), name_(std::move(name)) {
+    SceneShow(const io::Scene& scene, std::string name)
+        : world_(io::build_world(scene)), probes_(io::make_probes(scene, world_)), name_(std::move(name)) {
         if (scene.camera) {
             camera_.eye_m = scene.camera->eye_m;
             camera_.target_m = scene.camera->target_m;
@@ -34,10 +36,12 @@ public:
         view.camera = camera_;
         if (world_.time_s() < 3) view.caption = name_;
     }
+    std::vector<Probe> make_probes() override { return probes_; }
     double duration_s() const override { return 300 * world_.def().time_step_s; }
 
 private:
     World world_;
+    std::vector<Probe> probes_;
     std::string name_;
     Camera camera_;
 };

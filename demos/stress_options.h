@@ -2,6 +2,8 @@
 #include <CLI/CLI.hpp>
 #include <string>
 
+#include "supple/world/stress.h"
+
 namespace supple::demos {
 
 /// --stress FILE and what it may mean; `run` and `eval` share them.
@@ -12,8 +14,8 @@ struct StressOptions {
     std::string recovery = "volume-weighted";
 
     void add(CLI::App& command);
-    void check() const;  ///< refuses what this version does not compute. @error Error(unsupported)
-    bool at_vertices() const { return at == "vertex"; }
+    void check() const;  ///< @error Error(file_unreadable) if the file cannot be written
+    StressDef def() const;
 };
 
 }  // namespace supple::demos

@@ -8,4 +8,8 @@
 #include "supple/mesh/volume_mesh.h"
 #include "supple/world/body_template.h"
 #include "supple/world/evaluate.h"
+#include "supple/world/inspect.h"
+#include "supple/world/probe.h"
+#include "supple/world/self_test.h"
+#include "supple/world/stress.h"
 #include "supple/world/world.h"

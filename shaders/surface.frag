@@ -13,6 +13,11 @@ in vec3 grain_position;
 uniform sampler2D color_table;
 uniform vec2 value_range;   // low, 1 / (high - low)
 
+uniform float opacity;
+#ifdef FLAT
+uniform samplerBuffer triangle_values;
+#endif
+
 out vec4 pixel;
 
 const float kPi = 3.14159265;
@@ -59,7 +64,11 @@ vec3 ambient(vec3 n, float openness) {
 #ifdef MAPPED
 // The colour carries the number: shading stays gentle and grey, or the lightness of the map would be misread.
 vec3 shade_mapped(vec3 n, vec3 v, float light, float openness) {
+#ifdef FLAT
+    float value = texelFetch(triangle_values, gl_PrimitiveID).x;
+#else
     float value = value_openness.x;
+#endif
     vec3 albedo = value < -1e29 ? vec3(0.25) : texture(color_table, vec2(saturate((value - value_range.x) * value_range.y) * (255.0 / 256.0) + 0.5 / 256.0, 0.5)).rgb;
     float key = 0.62 * wrapped(dot(n, key_direction.xyz), vec3(0.35)).x * mix(0.30, 1.0, light);
     float fill = 0.16 * wrapped(dot(n, fill_direction.xyz), vec3(0.5)).x;
@@ -140,5 +149,5 @@ void main() {
 #else
     vec3 color = shade(n, v, light, openness);
 #endif
-    pixel = vec4(expose(color), 1.0);
+    pixel = vec4(expose(color), opacity);
 }

@@ -104,7 +104,7 @@ TEST_F(Program, ListsItsDemos) {
 }
 
 TEST_F(Program, HelpIsNoError) {
-    for (const std::string command : {"list", "run", "record", "bench", "eval", "mesh"}) {
+    for (const std::string command : {"list", "run", "record", "bench", "eval", "inspect", "mesh"}) {
         const Result r = supple({command, "--help"});
         EXPECT_EQ(r.status, 0) << command;
         EXPECT_NE(r.out.find(command), std::string::npos) << r.out;
@@ -134,8 +134,9 @@ TEST_F(Program, RefusesWrongArguments) {
 TEST_F(Program, RefusesWhatItDoesNotCompute) {
     write_scene();
     expect_refused(supple({"run", "bar.json", "--isa", "altivec"}), "avx512");
-    expect_refused(supple({"run", "bar.json", "--stress", "s.txt", "--strain", "green"}), "corotational");
-    expect_refused(supple({"run", "bar.json", "--stress", "s.txt", "--recovery", "spr"}), "volume-weighted");
+    expect_refused(supple({"run", "bar.json", "--stress", "s.txt", "--strain", "cauchy"}), "corotational");
+    expect_refused(supple({"run", "bar.json", "--stress", "s.txt", "--recovery", "mean"}), "volume-weighted");
+    expect_refused(supple({"run", "bar.json", "--probes", "nowhere/p.csv"}), "nowhere");
     expect_refused(supple({"run", "cantilever", "--steps", "1", "--restore", "s.bin"}), "script");
     EXPECT_FALSE(fs::exists(path("s.txt")));
 }
@@ -267,6 +268,68 @@ TEST_F(Program, EvalOfAUniformStretch) {
         ASSERT_NEAR(row[0], 0, 1e-6);
         for (int i = 1; i < 4; ++i) ASSERT_NEAR(row[i], (3 * lambda + 2 * mu) * e, 1e-6);
     }
+}
+
+/// Green's strain of the same stretch: E = (s^2 - 1)/2, sigma = F S F^T / J = (3 lambda + 2 mu) E / s.
+TEST_F(Program, EvalTakesTheStrainAndTheRecovery) {
+    const supple::VolumeMesh mesh = write_bar();
+    const double s = 1.05, E = (s * s - 1) / 2, lambda = 2e5 * 0.4 / (1.4 * 0.2), mu = 2e5 / 2.8;
+    write_text("p.txt", rows_text(mesh.vertices, s));
+    for (const char* recovery : {"raw", "volume-weighted", "spr"}) {
+        const Result r = supple({"eval", "--mesh", "bar.msh", "--material", kMaterial, "--positions", "p.txt", "--stress", "s.txt", "--strain", "green", "--recovery", recovery});
+        ASSERT_EQ(r.status, 0) << r.err;
+        const auto rows = read_rows("s.txt");
+        ASSERT_EQ(rows.size(), mesh.vertices.size());
+        for (const Row& row : rows)
+            for (int i = 1; i < 4; ++i) ASSERT_NEAR(row[i], (3 * lambda + 2 * mu) * E / s, 1e-6);
+    }
+}
+
+TEST_F(Program, EvalTestsTheDerivativesOfALaw) {
+    const Result r = supple({"eval", "--self-test", "--material", R"({"law": "NeoHookean", "mu_pa": 1e4, "lambda_pa": 1e5})"});
+    EXPECT_EQ(r.status, 0) << r.err;
+    const Json out = Json::parse(r.out);
+    EXPECT_EQ(out.at("passed"), true);
+    EXPECT_LT(out.at("force_error"), 1e-5);
+    EXPECT_GT(out.at("samples"), 100);
+    expect_refused(supple({"eval", "--material", kMaterial}), "--self-test");
+}
+
+TEST_F(Program, InspectShowsAnElementAndExportsMatrices) {
+    const supple::VolumeMesh mesh = write_bar();
+    Result r = supple({"inspect", "--mesh", "bar.msh", "--material", kMaterial, "--element", "7", "--matrix", "stiffness", "--out", "K.mtx"});
+    ASSERT_EQ(r.status, 0) << r.err;
+    const Json out = Json::parse(r.out);
+    EXPECT_EQ(out.at("vertices").size(), 4u);
+    EXPECT_EQ(out.at("strain_displacement_1_m").size(), 6u);
+    EXPECT_EQ(out.at("stiffness_n_m").size(), 12u);
+    EXPECT_NEAR(out.at("rest_volume_m3"), 0.4 * 0.1 * 0.1 / double(mesh.tets.size()), 1e-12);
+    std::ifstream in(path("K.mtx"));
+    std::string header;
+    std::getline(in, header);
+    EXPECT_EQ(header.substr(0, 36), "%%MatrixMarket matrix coordinate rea");
+    std::size_t rows = 0, columns = 0;
+    in >> rows >> columns;
+    EXPECT_EQ(rows, 3 * mesh.vertices.size());
+    EXPECT_EQ(columns, rows);
+    r = supple({"inspect", "--mesh", "bar.msh", "--matrix", "mass", "--out", "M.mtx", "--density", "500"});
+    ASSERT_EQ(r.status, 0) << r.err;
+    EXPECT_EQ(Json::parse(r.out).at("elements"), mesh.tets.size());
+    expect_refused(supple({"inspect", "--mesh", "bar.msh", "--element", "100000"}), "100000");
+    expect_refused(supple({"inspect", "--mesh", "bar.msh", "--matrix", "mass"}), "--out");
+}
+
+TEST_F(Program, RunWritesTheReadingsOfProbes) {
+    write_scene();
+    ASSERT_EQ(supple({"run", "bar.json", "--steps", "4", "--quiet", "--probes", "p.csv"}).status, 0);
+    std::ifstream in(path("p.csv"));
+    std::string line;
+    std::vector<std::string> lines;
+    while (std::getline(in, line)) lines.push_back(line);
+    ASSERT_EQ(lines.size(), 5u) << "one probe over the whole body, where the scene has none";
+    EXPECT_EQ(lines[0].substr(0, 12), "step,time_s,");
+    EXPECT_EQ(lines[4].substr(0, 2), "4,");
+    EXPECT_NE(lines[4].find(",bar,all,"), std::string::npos) << lines[4];
 }
 
 TEST_F(Program, EvalRefusesWrongInput) {

@@ -206,7 +206,7 @@ TEST(WorldMaterials, LawsOfRegionsChangeWhileRunning) {
         };
         const auto changed = build(plain);
         const BodyId body = changed->bodies()[0];
-        for (const BodyDef* def : {&many, &plain, &nodal, &many}) {
+        for (const BodyDef* def : std::initializer_list<const BodyDef*>{&many, &plain, &nodal, &many}) {
             if (def == &nodal && kind != PreconditionerKind::automatic) continue;
             for (int n = 0; n < 3; ++n) ASSERT_EQ(changed->step().flags, StepFlag::none);
             const auto before = changed->save();

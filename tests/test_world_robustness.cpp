@@ -70,29 +70,26 @@ std::vector<Vec3> start_of(Random& random, std::uint64_t seed, const std::vector
 class Tangents {
 public:
     Tangents(const VolumeMesh& mesh, const Material& material)
-        : rest_(fem::make_rest(mesh.vertices, mesh.tets)), corners_(fem::make_corner_map(mesh.vertices.size(), mesh.tets)), scratch_(fem::kBlock * 16), q_(4 * fem::kBlock, 0.0) {
+        : layout_(fem::make_layout(mesh)), scratch_(fem::kBlock * 16), q_(4 * fem::kBlock, 0.0) {
         fem::ElementsDef def;
-        def.rest = &rest_;
-        def.corners = &corners_;
-        def.lame = {small_strain(material)};
-        elements_ = fem::make_elements(def, material);
+        def.layout = &layout_;
+        elements_ = fem::make_elements(def, {{material}, {}, {}});
     }
     void at(const std::vector<Vec3>& x) {
-        fem::seed_rotations(team_, rest_, x, q_);
+        fem::seed_rotations(team_, layout_, x, q_);
         fem::ElementOutputs outputs;
         outputs.tangent = true;
         elements_->evaluate(team_, x.data()->data(), q_.data(), outputs);
     }
     std::vector<Vec3> product(const std::vector<Vec3>& d) {
         std::vector<Vec3> out(d.size());
-        elements_->product(team_, q_.data(), d, scratch_, out);
+        fem::stiffness_product(team_, *elements_, layout_, q_.data(), d, scratch_, out);
         return out;
     }
 
 private:
     Team team_;
-    fem::Tet4Rest rest_;
-    fem::CornerMap corners_;
+    fem::ElementLayout layout_;
     AlignedVector<double> scratch_, q_;
     std::unique_ptr<fem::Elements> elements_;
 };

@@ -28,6 +28,13 @@ public:
         }
     }
 
+    std::optional<Lame> lame(std::size_t element) const override {
+        const std::size_t slot = layout_.slot[element];
+        std::size_t g = groups_.size() - 1;
+        while (layout_.groups[g].first_block > slot / kBlock) --g;
+        return groups_[g]->lame(slot - layout_.groups[g].first_block * kBlock);
+    }
+
     void product(Team& team, const double* quaternion, const double* field, double* corner_value) override {
         for (std::size_t g = 0; g < groups_.size(); ++g) {
             groups_[g]->product(team, quaternion + layout_.groups[g].first_block * kBlock * 4, field, corner_value + layout_.groups[g].first_place * 4);

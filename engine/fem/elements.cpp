@@ -29,7 +29,8 @@ class FrameTets final : public Elements {
 public:
     FrameTets(const GroupDef& def, const ElementMaterials& materials)
         : def_(def),
-          moduli_(make_moduli(def.group->tets.blocks(), kept(group_lame(*def.group, materials), volumetric_of(first_material(def, materials))))),
+          lame_(group_lame(*def.group, materials)),
+          moduli_(make_moduli(def.group->tets.blocks(), kept(lame_, volumetric_of(first_material(def, materials))))),
           set_{def.group->tets, moduli_, tet4_kernels(def.isa), frame_of(first_material(def, materials))},
           flow_(group_plasticity(*def.group, materials)) {
         const std::size_t lanes = set_.rest.blocks() * kBlock;
@@ -37,7 +38,7 @@ public:
         if (exact) twist_.resize(lanes * 6);
         if (volumetric_of(first_material(def, materials)) == Volumetric::nodal) {
             std::vector<double> excess;
-            for (const Lame& l : group_lame(*def.group, materials)) excess.push_back(l.lambda_pa - kept(l).lambda_pa);
+            for (const Lame& l : lame_) excess.push_back(l.lambda_pa - kept(l).lambda_pa);
             nodal_.emplace(set_.rest, excess);
             dilatation_.resize(lanes);
             pressure_.resize(lanes);
@@ -84,6 +85,8 @@ public:
         run_elements(team, set_, pass);
         if (nodal_ && outputs.energy != nullptr) nodal_->add_energy(outputs.energy);
     }
+
+    std::optional<Lame> lame(std::size_t element) const override { return lame_[element]; }
 
     void product(Team& team, const double* quaternion, const double* field, double* corner_value) override {
         Tet4Product pass;
@@ -140,6 +143,7 @@ private:
     }
 
     GroupDef def_;
+    std::vector<Lame> lame_;
     AlignedVector<double> moduli_;
     ElementSet set_;
     PlasticFlow flow_;
@@ -188,6 +192,8 @@ public:
         const auto kernel = kernels_.elements[std::size_t(parameters_.law)];
         team.for_range(rest_.blocks(), kBlockChunk, [&](std::size_t begin, std::size_t end) { kernel(pass, begin, end); });
     }
+
+    std::optional<Lame> lame(std::size_t) const override { return {}; }
 
     void product(Team& team, const double*, const double* field, double* corner_value) override {
         Tet4HyperProduct pass;

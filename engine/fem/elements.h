@@ -1,5 +1,6 @@
 #pragma once
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -43,6 +44,9 @@ public:
     /// @param position    [vertex][3] [m]
     /// @param quaternion  [block][w x y z][lane], warm start in, rotations out
     virtual void evaluate(Team& team, const double* position, double* quaternion, const ElementOutputs& outputs) = 0;
+
+    /// Lame parameters at work in an element (in the order of the mesh) where the law is linear elasticity in a frame; none for strain energies in F.
+    virtual std::optional<Lame> lame(std::size_t element) const = 0;
 
     /// K field, K the tangent of the last evaluation, element by element: float64, matrix-free.
     /// @param corner_value  out [place][x y z 0]: to be gathered (fem::gather)

@@ -30,9 +30,9 @@ public:
           rest_(def.group->hexes),
           frame_(frame_of(materials.of(std::size_t(def.group->element[0])))),
           kernels_(hex8_kernels(def.isa)) {
-        const std::vector<Lame> lame = group_lame(*def.group, materials);
-        moduli_ = make_moduli(rest_.blocks(), lame);
-        stiffness_ = make_hex_stiffness(rest_, lame, group_integration(*def.group, materials), def.precision == MatrixPrecision::single);
+        lame_ = group_lame(*def.group, materials);
+        moduli_ = make_moduli(rest_.blocks(), lame_);
+        stiffness_ = make_hex_stiffness(rest_, lame_, group_integration(*def.group, materials), def.precision == MatrixPrecision::single);
         const std::size_t records = rest_.blocks() * kBlock * kHexRecord;
         if (def.precision == MatrixPrecision::single) record_f_.resize(records);
         if (def.precision == MatrixPrecision::double_) record_d_.resize(records);
@@ -56,6 +56,8 @@ public:
         const auto kernel = kernels_.elements[std::size_t(frame_)];
         team.for_range(rest_.blocks(), kBlockChunk, [&](std::size_t begin, std::size_t end) { kernel(pass, begin, end); });
     }
+
+    std::optional<Lame> lame(std::size_t element) const override { return lame_[element]; }
 
     void product(Team& team, const double* quaternion, const double* field, double* corner_value) override {
         const Hex8Product pass{rest_.vertex.data(), view(), quaternion, field, corner_value};
@@ -89,6 +91,7 @@ private:
     const Hex8Rest& rest_;
     Frame frame_;
     const Hex8Kernels& kernels_;
+    std::vector<Lame> lame_;
     AlignedVector<double> moduli_;
     HexStiffness stiffness_;
     AlignedVector<float> record_f_;
@@ -140,6 +143,8 @@ public:
         }
         team.for_range(rest_.blocks(), kHyperChunk, [&](std::size_t begin, std::size_t end) { kernel_(pass, begin, end); });
     }
+
+    std::optional<Lame> lame(std::size_t) const override { return {}; }
 
     void product(Team& team, const double*, const double* field, double* corner_value) override {
         const Hex8Product pass{rest_.vertex.data(), {nullptr, inner_.data(), place_.data(), nullptr}, nullptr, field, corner_value};

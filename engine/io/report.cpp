@@ -86,7 +86,7 @@ std::string RunReport::to_json(const RunSummary& summary) const {
         {"cg_relative_residual", {{"median", median(residual_)}, {"max", worst}}},
         {"flags", flags},
         {"state_hash", hash},
-        {"energy_j", {{"kinetic", summary.energy.kinetic_j}, {"elastic", summary.energy.elastic_j}, {"gravity", summary.energy.gravity_j}}},
+        {"energy_j", {{"kinetic", summary.energy.kinetic_j}, {"elastic", summary.energy.elastic_j}, {"gravity", summary.energy.gravity_j}, {"loads", summary.energy.loads_j}}},
         {"reaction_n", Json::array({reaction[0], reaction[1], reaction[2]})},
         {"contact_force_n", Json::array({0.0, 0.0, 0.0})},
     };

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "supple/world/probe.h"
 #include "supple/world/world.h"
 
 namespace supple::io {
@@ -22,6 +23,7 @@ struct SceneBody {
     std::vector<Support> fixed;
     std::vector<Motion> prescribed;
     std::vector<Load> loads;
+    std::vector<ProbeDef> probes;
 };
 
 /// A scene file, read and validated.
@@ -44,21 +46,26 @@ struct Scene {
 ///             fibre_exponent, sheet_stiffness_pa, sheet_exponent, matrix_regularization},
 ///             regions [{<selection>, material, stiffness_factor, density_kg_m3}],
 ///             fixed [{<selection>, axes}], prescribed [{<selection>, axes, displacement_m | velocity_m_s | affine, times_s}],
-///             loads [{<selection>, force_n | force_per_vertex_n | traction_pa | body_force_n_m3, times_s}]}]
+///             loads [{<selection>, force_n | force_per_vertex_n | traction_pa | pressure_pa (follower: true) | moment_nm
+///                    (axis: [x, y, z], follower: true) | body_force_n_m3, times_s}],
+///             probes [{<selection>, name, threshold_pa, threshold_m, strain}]}]
 ///
 /// <selection> is one of "box": {min_m, max_m}, "sphere": {centre_m, radius_m}, "vertices": [ids from 0], "group": "name", "all": true, or
 /// "selection": one of these or "all"; an entry of `fixed` may be the word "all" alone. Boxes and spheres are closed and look at the scaled
 /// rest shape, before translation_m. A selection that selects nothing is an error.
 ///
+/// Loads are those of world/loads.h: traction_pa (a vector), pressure_pa and moment_nm also take "triangles": [numbers of boundary triangles from 0] in
+/// place of a selection. pressure_pa and moment_nm are numbers; a positive pressure pushes into the body.
+///
 /// The numbers of a material may be lists with one number per element, in the order of the mesh (tets, then hexes), but for b and terms; fibre and
 /// sheet are one direction, or a list of one per element. Regions are applied in their order: `material` takes the place of the body's, keeping what it
-/// does not name; stiffness factors multiply all moduli, each other's too.
+/// does not name where the law is the same; stiffness factors multiply all moduli, each other's too.
 ///
 /// times_s: without it the value is constant. With n times and a list of n values the value is linear between them, constant before the
 /// first and after the last. With two times [t0, t1] and a single value it ramps from zero (for `affine`: from the identity) at t0 to the
 /// value at t1. affine: three rows of four numbers [A | t]; position = A X + t of the rest position X.
 ///
-/// Keys and words of the scene format that this build does not do (other laws, integrators, colliders, pressure, hexahedra, ...) are
+/// Keys and words of the scene format that this build does not do (other laws, integrators, colliders, hexahedra, ...) are
 /// refused with Error(unsupported), never ignored.
 /// @error Error(parse) "file:line" for syntax, "file:/json/pointer" for meaning; an unknown key names the nearest known one
 Scene read_scene(const std::filesystem::path& file);

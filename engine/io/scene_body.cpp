@@ -68,7 +68,7 @@ InsideBox read_box(const JsonNode& node, bool may_be_flat) {
 
 SceneBody read_body(const JsonNode& node, SceneContext& context) {
     node.require_object({"name", "mesh", "box", "scale", "translation_m", "velocity_m_s", "density_kg_m3", "material", "regions", "fixed",
-                         "prescribed", "loads"});
+                         "prescribed", "loads", "probes"});
     SceneBody body;
     BodyDef& def = body.def;
     if (node.has("name")) def.name = node.at("name").text();
@@ -79,6 +79,7 @@ SceneBody read_body(const JsonNode& node, SceneContext& context) {
     if (node.has("density_kg_m3")) def.density_kg_m3 = node.at("density_kg_m3").number_above(0, 1e9);
     read_materials(node, def);
     read_supports_and_loads(node, body);
+    read_probes(node, body);
     return body;
 }
 

@@ -68,6 +68,14 @@ struct Vec3Value {
     static bool is_list(const JsonNode& node) { return node.is_array() && node.size() > 0 && node.item(0).is_array(); }
 };
 
+struct ScalarValue {
+    using Type = double;
+    static constexpr const char* kSingle = "number";
+    static Type read(const JsonNode& node) { return node.number(-1e15, 1e15); }
+    static Type neutral() { return 0; }
+    static bool is_list(const JsonNode& node) { return node.is_array(); }
+};
+
 struct AffineValue {
     using Type = Mat34;
     static constexpr const char* kSingle = "three rows of four numbers";
@@ -144,25 +152,62 @@ bool touches_boundary(const BodyTemplate& shape, const Selection& where) {
     });
 }
 
-Load read_load(const JsonNode& node, const BodyTemplate& shape) {
-    require_keys(node, with_selection_keys({"force_n", "force_per_vertex_n", "traction_pa", "body_force_n_m3", "times_s"}),
-                 {"pressure_pa", "follower", "moment_nm", "axis"},
-                 "is not available in this build; supported are force_n, force_per_vertex_n, traction_pa and body_force_n_m3");
-    Load load;
-    static constexpr std::string_view kKinds[] = {"force_n", "force_per_vertex_n", "traction_pa", "body_force_n_m3"};
-    const std::string_view key =
-        only_key(node, kKinds, "a load needs one of \"force_n\", \"force_per_vertex_n\", \"traction_pa\" and \"body_force_n_m3\"");
-    load.where = read_selection(node, shape.mesh());
-    load.kind = key == "force_n"              ? LoadKind::total_force
-                : key == "force_per_vertex_n" ? LoadKind::force_per_vertex
-                : key == "traction_pa"        ? LoadKind::traction
-                                              : LoadKind::body_force;
-    load.value = read_timeline<Vec3Value>(node, key);
-    if (load.kind == LoadKind::traction && !touches_boundary(shape, load.where)) {
-        node.at(key).fail("no boundary triangle has all its vertices in the selection; make the selection larger");
+struct LoadWord {
+    std::string_view key;
+    LoadKind kind;
+    bool vector_valued, on_triangles, may_follow;
+};
+constexpr LoadWord kLoadWords[] = {
+    {"force_n", LoadKind::total_force, true, false, false},   {"force_per_vertex_n", LoadKind::force_per_vertex, true, false, false},
+    {"traction_pa", LoadKind::traction, true, true, false},   {"pressure_pa", LoadKind::pressure, false, true, true},
+    {"moment_nm", LoadKind::moment, false, true, true},       {"body_force_n_m3", LoadKind::body_force, true, false, false},
+};
+
+void read_site(const JsonNode& node, const LoadWord& word, const BodyTemplate& shape, Load& load) {
+    if (!node.has("triangles")) {
+        load.where = read_selection(node, shape.mesh());
+        if ((word.kind == LoadKind::traction || word.kind == LoadKind::pressure) && !touches_boundary(shape, load.where))
+            node.at(word.key).fail("no boundary triangle has all its vertices in the selection; make the selection larger");
+        if (word.kind == LoadKind::body_force && select_elements(shape.mesh(), load.where).empty())
+            node.at(word.key).fail("no element has all its vertices in the selection; make the selection larger");
+        return;
     }
-    if (load.kind == LoadKind::body_force && select_elements(shape.mesh(), load.where).empty()) {
-        node.at(key).fail("no element has all its vertices in the selection; make the selection larger");
+    const JsonNode list = node.at("triangles");
+    for (std::string_view key : kSelectionKeys)
+        if (node.has(key)) node.at(key).fail(quoted(key) + " and \"triangles\" exclude each other; keep one");
+    if (!word.on_triangles) list.fail("belongs to traction_pa, pressure_pa and moment_nm; select vertices for " + std::string(word.key));
+    for (const JsonNode& t : list.items()) load.triangles.push_back(std::int32_t(t.integer(0, std::int64_t(shape.boundary().triangles.size()) - 1)));
+    if (load.triangles.empty()) list.fail("is empty; name boundary triangles by their numbers, counted from 0");
+}
+
+Load read_load(const JsonNode& node, const BodyTemplate& shape) {
+    std::vector<std::string_view> keys = with_selection_keys({"triangles", "follower", "axis", "times_s"}), kinds;
+    std::string named;
+    for (const LoadWord& word : kLoadWords) {
+        kinds.push_back(word.key);
+        named += (named.empty() ? "" : ", ") + quoted(word.key);
+    }
+    keys.insert(keys.end(), kinds.begin(), kinds.end());
+    require_keys(node, keys);
+    const std::string_view key = only_key(node, kinds, "a load needs one of " + named);
+    const LoadWord& word = *std::find_if(std::begin(kLoadWords), std::end(kLoadWords), [&](const LoadWord& w) { return w.key == key; });
+    Load load;
+    load.kind = word.kind;
+    read_site(node, word, shape, load);
+    if (word.vector_valued) {
+        load.value = read_timeline<Vec3Value>(node, key);
+    } else {
+        load.amount = read_timeline<ScalarValue>(node, key);
+    }
+    if (node.has("follower")) {
+        if (!word.may_follow) node.at("follower").fail("belongs to pressure_pa and moment_nm; " + std::string(key) + " keeps its direction");
+        load.follower = node.at("follower").boolean();
+    }
+    if (word.kind == LoadKind::moment) {
+        load.axis = node.at("axis", "a moment turns about an axis: give its direction, [x, y, z]").vec3(1e15);
+        if (!(load.axis.norm() > 0)) node.at("axis").fail("has no direction; give a vector of any length but zero");
+    } else if (node.has("axis")) {
+        node.at("axis").fail("belongs to moment_nm");
     }
     return load;
 }

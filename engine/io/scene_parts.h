@@ -33,7 +33,10 @@ Selection read_selection(const JsonNode& node, const VolumeMesh& mesh);
 /// Fills fixed, prescribed and loads.
 void read_supports_and_loads(const JsonNode& node, SceneBody& body);
 
-/// The selection keys that an entry of `fixed`, `prescribed`, `loads` or `regions` may hold directly.
+/// Fills probes.
+void read_probes(const JsonNode& node, SceneBody& body);
+
+/// The selection keys that an entry of `fixed`, `prescribed`, `loads`, `probes` or `regions` may hold directly.
 inline constexpr std::array<std::string_view, 6> kSelectionKeys = {"box", "sphere", "vertices", "group", "all", "selection"};
 /// These and the given ones.
 std::vector<std::string_view> with_selection_keys(std::initializer_list<std::string_view> keys);

@@ -18,6 +18,8 @@ struct SurfaceView {
     std::span<const Vec3> positions;                     ///< per vertex [m], finite; vertices of no triangle are skipped
     std::span<const Triangle> triangles;                 ///< outward counter-clockwise; a closed surface shows its outside only
     std::span<const double> scalar;                      ///< per vertex, e.g. von Mises [Pa]; empty = plain material; NaN is drawn grey
+    std::span<const double> triangle_scalar;             ///< per triangle, drawn flat; instead of `scalar`
+    double opacity = 1;                                  ///< (0, 1]; below 1 what lies behind the nearest layer of the surface shines through
     std::span<const std::array<std::int32_t, 2>> edges;  ///< wireframe lines; empty = none
     std::span<const Vec3> rest_positions;                ///< drawn as a faint outline (contour and crisp edges); empty = none
     Look look = Look::tissue;
@@ -27,6 +29,13 @@ struct SurfaceView {
     /// and the creases are those of the first positions that came with these triangles (they do not flicker while the body bends).
     std::span<const Vec3> reference_positions;
     std::optional<std::array<float, 3>> color;  ///< sRGB 0..1, instead of the look's own colour
+};
+
+/// Points coloured by a number: values where they are computed, inside a body too (give its surface an opacity below 1).
+struct PointsView {
+    std::span<const Vec3> positions;  ///< [m], finite
+    std::span<const double> scalar;   ///< one per position; NaN is drawn grey
+    double size_px = 7;               ///< diameter, 1..64
 };
 
 struct ArrowView {                                  ///< a force
@@ -62,10 +71,11 @@ struct Camera {
 /// Everything that one picture shows. The renderer reads nothing else: no World, no file.
 struct FrameView {
     std::vector<SurfaceView> surfaces;
+    std::vector<PointsView> points;
     std::vector<ArrowView> arrows;
     std::vector<MarkerView> markers;
     std::vector<LabelView> labels;
-    std::optional<ColorScale> scale;        ///< needed if any surface has a scalar; its legend is drawn then
+    std::optional<ColorScale> scale;        ///< needed if a surface or points have a scalar; its legend is drawn then
     std::optional<double> ground_height_m;  ///< along `camera.up`; catches the shadow
     Camera camera;
     std::optional<Vec3> key_light;  ///< direction towards the key light; empty = over the left shoulder of the camera.

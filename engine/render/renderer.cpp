@@ -11,6 +11,7 @@
 #include "supple/render/annotations.h"
 #include "supple/render/camera.h"
 #include "supple/render/color_map.h"
+#include "supple/render/point_buffers.h"
 #include "supple/render/shapes.h"
 #include "supple/render/stage.h"
 #include "supple/render/surface_buffers.h"
@@ -25,7 +26,7 @@ using Eigen::Vector4f;
 namespace {
 
 // Texture units, the same for every program.
-constexpr int kShadowUnit = 0, kColorUnit = 1, kGroundUnit = 2, kOcclusionUnit = 3, kSceneUnit = 4, kNoiseUnit = 5, kUnits = 6;
+constexpr int kShadowUnit = 0, kColorUnit = 1, kGroundUnit = 2, kOcclusionUnit = 3, kSceneUnit = 4, kNoiseUnit = 5, kValuesUnit = 6, kUnits = 7;
 
 Vector3f linear_of(const std::array<float, 3>& srgb) {
     const auto one = [](float c) { return c <= 0.04045f ? c / 12.92f : std::pow((c + 0.055f) / 1.055f, 2.4f); };
@@ -88,6 +89,7 @@ struct Renderer::Impl {
     Program ground_program{"fullscreen.vert", "studio.frag", "GROUND"};
     Program composite_program{"fullscreen.vert", "composite.frag"};
     Program line_program{"lines.vert", "lines.frag"};
+    Program point_program{"points.vert", "points.frag"};
     Overlay overlay;
 
     Buffer frame_uniforms;
@@ -95,6 +97,7 @@ struct Renderer::Impl {
     std::string color_table_name;
     VertexArray no_attributes, line_array;
     Buffer line_buffer;
+    PointBuffers points;
 
     std::vector<SurfaceBuffers> surfaces;
     Shapes shapes;
@@ -144,6 +147,8 @@ struct Renderer::Impl {
 
     // ---- what a frame is made of ----
 
+    static bool is_mapped(const SurfaceView& s) { return !s.scalar.empty() || !s.triangle_scalar.empty(); }
+
     struct Scene {
         Vector3f low = Vector3f::Constant(1e30f), high = Vector3f::Constant(-1e30f);  // of all that casts a shadow
         bool mapped = false;
@@ -158,11 +163,17 @@ struct Renderer::Impl {
                 scene.low = scene.low.cwiseMin(v.position);
                 scene.high = scene.high.cwiseMax(v.position);
             }
-            scene.mapped |= !view.surfaces[i].scalar.empty();
+            scene.mapped |= is_mapped(view.surfaces[i]);
         }
+        points.prepare(view.points, frame);
+        for (const Vector3f& p : points.positions()) {
+            scene.low = scene.low.cwiseMin(p);
+            scene.high = scene.high.cwiseMax(p);
+        }
+        scene.mapped |= !points.empty();
         if (scene.mapped && !view.scale)
             throw Error(ErrorCode::invalid_argument, "FrameView.scale",
-                        "is empty, but a surface has a scalar; say which colours its values take");
+                        "is empty, but a surface or points have a scalar; say which colours its values take");
         if (scene.mapped && !(std::isfinite(view.scale->low) && std::isfinite(view.scale->high) && view.scale->low < view.scale->high))
             throw Error(
                 ErrorCode::invalid_argument, "FrameView.scale",
@@ -232,6 +243,8 @@ struct Renderer::Impl {
         program.set("ground_shadow", kGroundUnit);
         program.set("scene", kSceneUnit);
         program.set("noise", kNoiseUnit);
+        program.set("triangle_values", kValuesUnit);
+        program.set("opacity", 1.0f);
         program.set("occlusion", kOcclusionUnit);
     }
 
@@ -285,23 +298,56 @@ struct Renderer::Impl {
         shadow->use_map_compared(kShadowUnit);
         glActiveTexture(GL_TEXTURE0 + kNoiseUnit);
         glBindTexture(GL_TEXTURE_3D, noise.get());
-        for (std::size_t i = 0; i < surfaces.size(); ++i) {
-            const SurfaceView& s = view.surfaces[i];
-            const bool mapped = !s.scalar.empty(), grain = !mapped && s.look == Look::tissue && surfaces[i].has_grain();
-            const Program& program =
-                surface_program("LOOK=" + std::to_string(int(s.look)) + (mapped ? " MAPPED" : "") + (grain ? " GRAIN" : ""));
-            use(program);
-            if (mapped) {
-                use_color_table(*view.scale);
-                program.set("value_range", Eigen::Vector2f(float(view.scale->low), float(1 / (view.scale->high - view.scale->low))));
-            }
-            const Vector3f color = s.color ? linear_of(*s.color) : default_color(s.look);
-            glVertexAttrib3f(3, color.x(), color.y(), color.z());
-            surfaces[i].draw();
+        for (std::size_t i = 0; i < surfaces.size(); ++i)
+            if (view.surfaces[i].opacity == 1) draw_surface(view, i);
+        if (!shapes.empty()) {
+            use(surface_program("LOOK=4"));
+            shapes.draw();
         }
-        if (shapes.empty()) return;
-        use(surface_program("LOOK=4"));
-        shapes.draw();
+        draw_points(view);
+        for (std::size_t i = 0; i < surfaces.size(); ++i)
+            if (view.surfaces[i].opacity < 1) draw_translucent(view, i);
+    }
+
+    void draw_surface(const FrameView& view, std::size_t i) {
+        const SurfaceView& s = view.surfaces[i];
+        const bool mapped = is_mapped(s), flat = !s.triangle_scalar.empty(), grain = !mapped && s.look == Look::tissue && surfaces[i].has_grain();
+        const Program& program =
+            surface_program("LOOK=" + std::to_string(int(s.look)) + (mapped ? " MAPPED" : "") + (flat ? " FLAT" : "") + (grain ? " GRAIN" : ""));
+        use(program);
+        program.set("opacity", float(s.opacity));
+        if (mapped) use_scale(program, *view.scale);
+        if (flat) surfaces[i].bind_values(kValuesUnit);
+        const Vector3f color = s.color ? linear_of(*s.color) : default_color(s.look);
+        glVertexAttrib3f(3, color.x(), color.y(), color.z());
+        surfaces[i].draw();
+    }
+
+    /// The nearest layer alone, over what is already there: first its depth, then its colour where that is the nearest.
+    void draw_translucent(const FrameView& view, std::size_t i) {
+        glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+        draw_surface(view, i);
+        glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+        glDepthFunc(GL_LEQUAL);
+        glEnable(GL_BLEND);
+        glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);  // keeps the coverage right
+        draw_surface(view, i);
+        glDisable(GL_BLEND);
+        glDepthFunc(GL_LESS);
+    }
+
+    void use_scale(const Program& program, const ColorScale& scale) {
+        use_color_table(scale);
+        program.set("value_range", Eigen::Vector2f(float(scale.low), float(1 / (scale.high - scale.low))));
+    }
+
+    void draw_points(const FrameView& view) {
+        if (points.empty()) return;
+        use(point_program);
+        use_scale(point_program, *view.scale);
+        glEnable(GL_PROGRAM_POINT_SIZE);
+        points.draw([&](float size_px) { point_program.set("size", size_px); });
+        glDisable(GL_PROGRAM_POINT_SIZE);
     }
 
     void draw_studio(const Stage& stage) {
@@ -360,9 +406,11 @@ struct Renderer::Impl {
             for (const SurfaceVertex& v : s.vertices()) include(v.position);
         for (const SurfaceVertex& v : shapes.vertices()) include(v.position);
         for (const Vector3f& p : outline) include(p);
+        for (const Vector3f& p : points.positions()) include(p);
         const auto pixel = [](float ndc, int size) { return std::clamp((0.5f + 0.5f * ndc) * float(size), -2.0f, float(size) + 2); };
-        const int x0 = std::max(0, int(pixel(low.x(), def.width)) - 2), x1 = std::min(def.width, int(pixel(high.x(), def.width)) + 3);
-        const int y0 = std::max(0, int(pixel(low.y(), def.height)) - 2), y1 = std::min(def.height, int(pixel(high.y(), def.height)) + 3);
+        const int reach = points.reach_px();
+        const int x0 = std::max(0, int(pixel(low.x(), def.width)) - 2 - reach), x1 = std::min(def.width, int(pixel(high.x(), def.width)) + 3 + reach);
+        const int y0 = std::max(0, int(pixel(low.y(), def.height)) - 2 - reach), y1 = std::min(def.height, int(pixel(high.y(), def.height)) + 3 + reach);
         return {x0, y0, x1 - x0, y1 - y0};
     }
 
@@ -436,6 +484,7 @@ struct Renderer::Impl {
             report.triangles += s.triangle_count();
         }
         shapes.upload();
+        points.upload();
         upload_buffer(GL_UNIFORM_BUFFER, frame_uniforms, std::span<const FrameUniforms>(&uniforms, 1), GL_STREAM_DRAW);
         glBindBufferBase(GL_UNIFORM_BUFFER, 0, frame_uniforms.get());  // every block is bound to point 0 from the start
         report.prepare_ms = ms_since(start);

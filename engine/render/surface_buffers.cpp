@@ -51,6 +51,11 @@ void SurfaceBuffers::prepare(const SurfaceView& view, const SceneFrame& frame, c
     require_size(view.scalar.size(), view.positions.size(), name + ".scalar");
     require_size(view.rest_positions.size(), view.positions.size(), name + ".rest_positions");
     require_size(view.reference_positions.size(), view.positions.size(), name + ".reference_positions");
+    if (!view.triangle_scalar.empty() && view.triangle_scalar.size() != view.triangles.size())
+        refuse(name + ".triangle_scalar", "has " + std::to_string(view.triangle_scalar.size()) + " values for " + std::to_string(view.triangles.size()) +
+                                              " triangles; give one each, or none");
+    if (!view.triangle_scalar.empty() && !view.scalar.empty()) refuse(name + ".triangle_scalar", "and scalar exclude each other; leave one empty");
+    if (!(view.opacity > 0 && view.opacity <= 1)) refuse(name + ".opacity", to_text(view.opacity) + " is outside (0, 1]; leave the surface out to hide it");
     require_in_range(view.crease_angle_deg, 0, 180, name + ".crease_angle_deg", "40 keeps organs smooth and blocks crisp");
 
     const Key key{view.triangles.data(), view.triangles.size(), hash_of(view.triangles)};
@@ -83,8 +88,10 @@ void SurfaceBuffers::prepare(const SurfaceView& view, const SceneFrame& frame, c
         vertices_[c].normal = normals_[c];
         vertices_[c].openness = 1;
         const double value = view.scalar.empty() ? 0.0 : view.scalar[std::size_t(topology_.vertex_of[c])];
-        vertices_[c].scalar = std::isfinite(value) ? float(value) : -1e38f;  // the shader draws it grey
+        vertices_[c].scalar = shader_value(value);
     }
+    values_.resize(view.triangle_scalar.size());
+    for (std::size_t t = 0; t < values_.size(); ++t) values_[t] = shader_value(view.triangle_scalar[t]);
 }
 
 void SurfaceBuffers::rebuild_topology(const SurfaceView& view, const std::string& name) {
@@ -161,7 +168,16 @@ void SurfaceBuffers::occlude(const OcclusionGrid& grid) {
     for (SurfaceVertex& v : vertices_) v.openness = grid.openness(v.position, v.normal);
 }
 
-void SurfaceBuffers::upload() { upload_buffer(GL_ARRAY_BUFFER, vertex_buffer_, std::span<const SurfaceVertex>(vertices_), GL_STREAM_DRAW); }
+void SurfaceBuffers::upload() {
+    upload_buffer(GL_ARRAY_BUFFER, vertex_buffer_, std::span<const SurfaceVertex>(vertices_), GL_STREAM_DRAW);
+    if (!values_.empty()) upload_buffer(GL_TEXTURE_BUFFER, value_buffer_, std::span<const float>(values_), GL_STREAM_DRAW);
+}
+
+void SurfaceBuffers::bind_values(int unit) const {
+    glActiveTexture(GL_TEXTURE0 + GLenum(unit));
+    glBindTexture(GL_TEXTURE_BUFFER, value_texture_.get());
+    glTexBuffer(GL_TEXTURE_BUFFER, GL_R32F, value_buffer_.get());
+}
 
 void SurfaceBuffers::draw() const {
     if (topology_.closed) glEnable(GL_CULL_FACE);

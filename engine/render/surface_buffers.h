@@ -1,4 +1,5 @@
 #pragma once
+#include <cmath>
 #include <vector>
 
 #include "supple/render/gl_objects.h"
@@ -27,6 +28,7 @@ public:
 
     void draw() const;        ///< triangles
     void draw_edges() const;  ///< lines of SurfaceView::edges
+    void bind_values(int unit) const;  ///< of SurfaceView::triangle_scalar, as a buffer texture
     bool has_edges() const { return edge_indices_ > 0; }
     bool has_grain() const { return has_reference_; }
 
@@ -61,7 +63,13 @@ private:
     VertexArray array_, edge_array_;
     Buffer vertex_buffer_, index_buffer_, reference_buffer_, edge_buffer_;
     std::size_t edge_indices_ = 0;
+    std::vector<float> values_;
+    Buffer value_buffer_;
+    Texture value_texture_;
 };
+
+/// A number on its way to a shader, which draws what is not finite in grey.
+inline float shader_value(double value) { return std::isfinite(value) ? float(value) : -1e38f; }
 
 /// Describes SurfaceVertex to the vertex array that is bound, from the buffer that is bound.
 void describe_surface_vertex();

@@ -50,6 +50,23 @@ struct Matter {
     std::unique_ptr<fem::Elements> elements;
 };
 
+fem::MatrixPrecision matrix_precision(const WorldDef& world) {
+    return world.solver.precision == Precision::single ? fem::MatrixPrecision::single : fem::MatrixPrecision::double_;
+}
+
+std::unique_ptr<fem::Elements> make_elements(const TemplateData& data, const GroupedLayout* own, const fem::ElementMaterials& materials,
+                                             fem::MatrixPrecision precision, Tangent tangent, Isa isa, bool project) {
+    fem::ElementsDef def;
+    def.layout = own != nullptr ? &own->layout : &data.layout;
+    def.pattern = {data.pattern.row_start, data.pattern.column, data.pattern.mirror};
+    for (const solve::GatherMap& map : own != nullptr ? own->gather : data.gather) def.contributions.push_back({map.start, map.pair});
+    def.precision = precision;
+    def.isa = isa;
+    def.project = project;
+    def.exact_rotation = tangent == Tangent::exact;
+    return fem::make_elements(def, materials);
+}
+
 Matter make_matter(const TemplateData& data, const fem::ElementMaterials& materials, const WorldDef& world, Isa isa) {
     Matter matter;
     const std::vector<std::int32_t> family = materials.families(data.layout.elements);
@@ -59,14 +76,7 @@ Matter make_matter(const TemplateData& data, const fem::ElementMaterials& materi
         own.gather = make_gather_maps(data.mesh, data.pattern, own.layout);
         matter.layout = std::make_unique<const GroupedLayout>(std::move(own));
     }
-    fem::ElementsDef def;
-    def.layout = matter.layout ? &matter.layout->layout : &data.layout;
-    def.pattern = {data.pattern.row_start, data.pattern.column, data.pattern.mirror};
-    for (const solve::GatherMap& map : matter.layout ? matter.layout->gather : data.gather) def.contributions.push_back({map.start, map.pair});
-    def.precision = world.solver.precision == Precision::single ? fem::MatrixPrecision::single : fem::MatrixPrecision::double_;
-    def.isa = isa;
-    def.exact_rotation = world.solver.tangent == Tangent::exact;
-    matter.elements = fem::make_elements(def, materials);
+    matter.elements = make_elements(data, matter.layout.get(), materials, matrix_precision(world), world.solver.tangent, isa, true);
     return matter;
 }
 
@@ -108,7 +118,7 @@ void couple_elements(Body& body) {
 void size_workspace(Workspace& w, const fem::ElementLayout& layout) {
     const std::size_t n = layout.vertices;
     w.corner.resize(layout.places * 4);
-    for (auto* field : {&w.base_x, &w.base_v, &w.y, &w.v0, &w.v_start, &w.f_ext, &w.b, &w.rhs, &w.free_rhs, &w.dv, &w.residual, &w.product}) {
+    for (auto* field : {&w.base_x, &w.base_v, &w.y, &w.v0, &w.v_start, &w.f_ext, &w.f_dead, &w.b, &w.rhs, &w.free_rhs, &w.dv, &w.residual, &w.product}) {
         field->assign(n, Vec3::Zero());
     }
     w.diagonal.resize(n);
@@ -119,7 +129,7 @@ void size_workspace(Workspace& w, const fem::ElementLayout& layout) {
 
 void apply_materials(Body& body, const BodyDef& def, const WorldDef& world, Isa isa) {
     const TemplateData& data = body.data();
-    const BodyMaterials materials = resolve_materials(def, data.mesh);
+    BodyMaterials materials = resolve_materials(def, data.mesh);
     Matter matter = make_matter(data, materials.elements, world, isa);
     auto mass = fem::lumped_mass(data.mesh, materials.density_kg_m3);
     std::vector<Lame> lame(data.layout.elements);
@@ -129,6 +139,7 @@ void apply_materials(Body& body, const BodyDef& def, const WorldDef& world, Isa 
     BodyDef kept = def;
 
     std::swap(body.def, kept);
+    body.materials = std::move(materials.elements);
     body.mass = std::move(mass);
     body.stiffness_trace = std::move(trace);
     body.young_pa = std::move(young);
@@ -144,6 +155,10 @@ void apply_materials(Body& body, const BodyDef& def, const WorldDef& world, Isa 
     body.work.corner.resize(to.places * 4);
     couple_elements(body);
     drop_preconditioner(body);
+}
+
+std::unique_ptr<fem::Elements> make_body_elements(const Body& body, fem::MatrixPrecision precision, Tangent tangent, Isa isa, bool project) {
+    return make_elements(body.data(), body.own_layout.get(), body.materials, precision, tangent, isa, project);
 }
 
 std::unique_ptr<Body> make_body(const BodyDef& def, const WorldDef& world, std::size_t index, Isa isa) {
@@ -198,6 +213,7 @@ void update_stress(const Body& body, Team& team) {
     const std::size_t elements = layout.elements, vertices = layout.vertices;
     s.element.resize(elements);
     s.element_von_mises.resize(elements);
+    s.element_energy.resize(elements);
     s.vertex.resize(vertices);
     s.vertex_von_mises.resize(vertices);
     s.block_stress.resize(layout.blocks * 6 * fem::kBlock);
@@ -213,6 +229,7 @@ void update_stress(const Body& body, Team& team) {
         for (std::size_t e = begin; e < end; ++e) {
             s.element[e] = fem::element_stress(layout, s.block_stress.data(), e);
             s.element_von_mises[e] = fem::von_mises(s.element[e]);
+            s.element_energy[e] = s.block_energy[layout.slot[e]];
         }
     });
     team.for_range(vertices, 512, [&](std::size_t begin, std::size_t end) {

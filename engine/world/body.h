@@ -8,6 +8,7 @@
 #include "supple/solve/lattice_multigrid.h"
 #include "supple/solve/linear_solver.h"
 #include "supple/solve/scalar_laplacian.h"
+#include "supple/world/prepared_loads.h"
 #include "supple/world/template_data.h"
 #include "supple/world/world.h"
 
@@ -50,13 +51,6 @@ struct BodyState {
         f("rotations of the frozen preconditioner", s.hierarchy_quaternion);
         f("solver choices", s.solver);
     }
-};
-
-/// A load made ready: force on vertex[i] = weight[i] * value(t).
-struct PreparedLoad {
-    std::vector<std::int32_t> vertex;
-    std::vector<double> weight;
-    Timeline<Vec3> value;
 };
 
 struct Body;
@@ -103,6 +97,7 @@ struct Workspace {
     std::vector<Vec3> v_good, target_v, unbalance;  ///< static: v0 of the last equilibrium, of the supports at their target; the forces not yet let in
     double withheld = 0;              ///< static: part of `unbalance` that is held back
     std::vector<Vec3> f_ext;          ///< gravity and loads
+    std::vector<Vec3> f_dead;         ///< of these, what does not follow the body; kept only where something does
     std::vector<Vec3> b, rhs, free_rhs;  ///< right-hand side; with drag springs; with held coordinates zeroed
     std::vector<Vec3> dv, residual, product;
     std::vector<double> diagonal;     ///< mass part of the matrix
@@ -112,8 +107,8 @@ struct Workspace {
 /// Stress of the current positions, made on request.
 struct StressCache {
     bool valid = false;
-    std::vector<Voigt> element, vertex;
-    std::vector<double> element_von_mises, vertex_von_mises;
+    std::vector<Voigt> element, vertex, scratch;
+    std::vector<double> element_von_mises, vertex_von_mises, element_energy;
     AlignedVector<double> quaternion, block_stress, block_energy;
     double energy_j = 0;
 };
@@ -134,13 +129,14 @@ struct Body {
     std::unique_ptr<const GroupedLayout> own_layout;  ///< of a body of several families of laws; null: that of its template
 
     // Model: constant during a step.
+    fem::ElementMaterials materials;  ///< of the definition, resolved
     std::unique_ptr<fem::Elements> elements;  ///< the law at work; holds the tangent of the current step
     std::vector<double> mass;         ///< [vertex]
     std::vector<double> young_pa;     ///< [element] at small strain: for pictures
     std::vector<double> stiffness_trace;  ///< of each vertex's diagonal block at rest [N/m]
     std::vector<std::int32_t> owner;  ///< [vertex * 3 + axis] kFree, kHeld, or an index into motions
     std::vector<Motion> motions;
-    std::vector<PreparedLoad> loads;
+    PreparedLoads loads;
     std::vector<std::int32_t> held_rows;    ///< matrix rows with a held coordinate of their own or of a neighbour
     bool supports_changed = true;
     bool preconditioner_fits = false;  ///< the frozen one was built from state.hierarchy_x and the present supports
@@ -188,6 +184,8 @@ inline const double* plastic_strain(const Body& body) { return body.state.plasti
 std::unique_ptr<Body> make_body(const BodyDef& def, const WorldDef& world, std::size_t index, Isa isa);
 /// Makes what depends on the materials of a definition: elements, mass, stiffness. Strong guarantee: where it throws, the body is as it was.
 void apply_materials(Body& body, const BodyDef& def, const WorldDef& world, Isa isa);
+/// The elements of a body's law and moduli, afresh.
+std::unique_ptr<fem::Elements> make_body_elements(const Body& body, fem::MatrixPrecision precision, Tangent tangent, Isa isa, bool project);
 /// Fills body.stress from the current positions, unless it is valid.
 void update_stress(const Body& body, Team& team);
 

@@ -31,6 +31,12 @@ std::vector<solve::GatherMap> make_gather_maps(const VolumeMesh& mesh, const sol
     return maps;
 }
 
+const fem::RecoveryWeights& TemplateData::recovery(Recovery kind) const {
+    const std::size_t k = std::size_t(kind);
+    std::call_once(recovery_made_[k], [&] { recovery_[k] = fem::make_recovery(mesh, boundary_vertices, kind); });
+    return recovery_[k];
+}
+
 std::shared_ptr<const BodyTemplate> BodyTemplate::build(VolumeMesh mesh, double scale) {
     const std::string where = mesh.source.empty() ? "BodyTemplate::build" : mesh.source;
     if (!(std::isfinite(scale) && scale > 0)) {

@@ -4,7 +4,7 @@
 #include "supple/fem/element_passes.h"
 #include "supple/fem/elements.h"
 #include "supple/fem/stress.h"
-#include "supple/world/template_data.h"
+#include "supple/world/stress_field.h"
 
 namespace supple {
 
@@ -84,6 +84,18 @@ std::vector<Vec3> force_differential(const BodyTemplate& shape, const Material& 
     return df;
 }
 
-double von_mises(const Voigt& cauchy) { return fem::von_mises(cauchy); }
+StressField evaluate_stress(const BodyTemplate& shape, const Material& material, std::span<const Vec3> positions_m, const StressDef& def) {
+    Configuration c(shape, material, positions_m);
+    AlignedVector<double> stress(c.layout.blocks * 6 * fem::kBlock);
+    fem::ElementOutputs outputs;
+    outputs.stress = stress.data();
+    c.elements->evaluate(c.team, positions_m.data()->data(), c.quaternion.data(), outputs);
+    std::vector<Voigt> own(c.layout.elements);
+    for (std::size_t e = 0; e < own.size(); ++e) own[e] = fem::element_stress(c.layout, stress.data(), e);
+    StressField field;
+    std::vector<Voigt> scratch;
+    fill_stress(shape.data(), *c.elements, positions_m, own, def, c.team, scratch, field);
+    return field;
+}
 
 }  // namespace supple

@@ -4,6 +4,7 @@
 
 #include "supple/material/material.h"
 #include "supple/world/body_template.h"
+#include "supple/world/stress.h"
 
 namespace supple {
 
@@ -25,8 +26,5 @@ Evaluation evaluate(const BodyTemplate& shape, const Material& material, std::sp
 std::vector<Vec3> force_differential(const BodyTemplate& shape, const Material& material,
                                      std::span<const Vec3> positions_m, std::span<const Vec3> direction_m,
                                      Tangent tangent = Tangent::automatic);
-
-/// von Mises stress sqrt(3/2 s:s) of a Cauchy tensor [Pa].
-double von_mises(const Voigt& cauchy);
 
 }  // namespace supple

@@ -41,13 +41,30 @@ enum class LoadKind {
     force_per_vertex,  ///< value [N] on each selected vertex
     traction,          ///< value [Pa] on the boundary triangles whose three vertices are selected; dead (rest area, fixed direction)
     body_force,        ///< value [N/m^3] on the elements whose vertices are all selected
+    pressure,          ///< amount [Pa] on the boundary triangles whose three vertices are selected; positive pushes into the body
+    moment,            ///< amount [N m] about `axis`, a couple: no resultant force, so its torque is the same about every point
 };
 
-/// A dead load: constant direction, acting on rest geometry, changing with time only through its table.
+/// Something that pushes a body. The first four kinds are dead: constant direction, acting on rest geometry, changing with time only through
+/// their table.
+///
+/// `pressure`, follower: -p n da on the present triangles, a third to each corner, taken where the step evaluates its forces (at first the
+/// prediction x + h v). Not follower: the same on the rest shape, a dead load. On a closed surface both sum to no force and no torque.
+///
+/// `moment`: the traction omega x (x - c) on the boundary triangles of the selection (equal point forces on its vertices where it holds no
+/// triangle), c its centroid, omega such that the torque is amount * axis at every moment, however far the selection has turned. On the end of a beam this
+/// is the linear distribution of beam theory. Follower: the axis turns with the selection (the rotation that fits it best); otherwise it stays
+/// as it is in space.
+///
+/// What follows the body has a stiffness of its own that the step's tangent leaves out: a Newton iteration converges linearly, not quadratically, in it.
 struct Load {
     Selection where{};
     LoadKind kind = LoadKind::total_force;
-    Timeline<Vec3> value{};
+    Timeline<Vec3> value{};                ///< of the first four kinds
+    Timeline<double> amount{};             ///< of pressure and moment
+    Vec3 axis = Vec3::Zero();              ///< of a moment; any length but zero, only its direction counts
+    bool follower = true;                  ///< of pressure and moment
+    std::vector<std::int32_t> triangles{}; ///< traction, pressure and moment: these of BoundarySurface::triangles instead of `where`
 };
 
 }  // namespace supple

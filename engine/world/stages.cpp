@@ -18,10 +18,10 @@ void gather_loads(StepContext& ctx, Body& body, double time_s) {
     ctx.team.for_range(body.vertices(), kRowChunk, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) w.f_ext[i] = body.mass[i] * ctx.world.def.gravity_m_s2;
     });
-    for (const PreparedLoad& load : body.loads) {
-        const Vec3 value = load.value.at(time_s);
-        for (std::size_t i = 0; i < load.vertex.size(); ++i) w.f_ext[std::size_t(load.vertex[i])] += load.weight[i] * value;
-    }
+    body.loads.add_dead(time_s, w.f_ext);
+    if (!body.loads.any_follower()) return;
+    std::copy(w.f_ext.begin(), w.f_ext.end(), w.f_dead.begin());
+    body.loads.add_followers(ctx.team, time_s, body.state.x, w.f_ext);
 }
 
 double evaluate_elements(StepContext& ctx, Body& body, bool at_current) {
@@ -34,6 +34,10 @@ double evaluate_elements(StepContext& ctx, Body& body, bool at_current) {
     ctx.team.for_range(body.vertices(), kRowChunk, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) w.y[i] = at_current ? s.x[i] : Vec3(w.base_x[i] + h * w.v0[i]);
     });
+    if (body.loads.any_follower()) {
+        std::copy(w.f_dead.begin(), w.f_dead.end(), w.f_ext.begin());
+        body.loads.add_followers(ctx.team, ctx.time_s, w.y, w.f_ext);
+    }
     fem::ElementOutputs outputs;
     outputs.corner_force = w.corner.data();
     outputs.plastic = plastic_strain(body);

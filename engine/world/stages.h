@@ -17,7 +17,7 @@ struct Watch {
     void lap(StepContext& ctx, Stage stage) { ctx.report.stage_ms[std::size_t(stage)] += stopwatch.lap_ms(); }
 };
 
-/// f_ext: gravity and loads of a moment.
+/// f_ext: gravity and loads of a moment; what follows the body as it stands (evaluate_elements() does that anew).
 void gather_loads(StepContext& ctx, Body& body, double time_s);
 /// The integrator's bases for this step, and v0.
 void begin_scheme(StepContext& ctx, Body& body);

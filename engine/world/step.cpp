@@ -9,8 +9,8 @@ namespace supple {
 namespace {
 
 void step_body(StepContext& ctx, Watch& watch, BodyId id, Body& body) {
-    gather_loads(ctx, body, ctx.time_s);
     begin_scheme(ctx, body);
+    gather_loads(ctx, body, ctx.time_s);  // after the trapezoidal rule has looked at the loads of the start
     begin_drags(ctx.world, id);
     const double floor = resting_residual(ctx, body);
     watch.lap(ctx, Stage::loads);

@@ -1,5 +1,9 @@
 #pragma once
+#include <array>
+#include <mutex>
+
 #include "supple/fem/element_layout.h"
+#include "supple/fem/recovery.h"
 #include "supple/mesh/surface.h"
 #include "supple/solve/bsr3.h"
 
@@ -14,6 +18,13 @@ struct TemplateData {
     fem::ElementLayout layout;             ///< of bodies of one law: a group per kind of element
     solve::Bsr3Pattern pattern;
     std::vector<solve::GatherMap> gather;  ///< [group]
+
+    /// Made when first asked for; worlds on other threads may ask at the same time.
+    const fem::RecoveryWeights& recovery(Recovery kind) const;
+
+private:
+    mutable std::array<std::once_flag, 3> recovery_made_;
+    mutable std::array<fem::RecoveryWeights, 3> recovery_;
 };
 
 /// Gather maps of the groups of a layout of this mesh.

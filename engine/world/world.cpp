@@ -205,6 +205,7 @@ void World::set_gravity(const Vec3& gravity_m_s2) {
 }
 
 std::span<const Vec3> World::positions(BodyId id) const { return impl_->body(id).state.x; }
+std::vector<Vec3> World::start_positions(BodyId id) const { return impl_->body(id).start.x; }
 std::span<const Vec3> World::previous_positions(BodyId id) const { return impl_->body(id).state.x_previous; }
 std::span<const Vec3> World::velocities(BodyId id) const { return impl_->body(id).state.v; }
 std::span<const double> World::masses(BodyId id) const { return impl_->body(id).mass; }
@@ -231,6 +232,7 @@ Energy World::energy() const {
     for (const BodyId id : bodies()) {
         energy.elastic_j += stress_of(*impl_, id).energy_j;
         const Body& body = impl_->body(id);
+        energy.loads_j += body.loads.dead_potential_j(impl_->time_s(), body.state.x, body.start.x);
         for (std::size_t i = 0; i < body.vertices(); ++i) {
             energy.kinetic_j += 0.5 * body.mass[i] * body.state.v[i].squaredNorm();
             energy.gravity_j -= body.mass[i] * impl_->def.gravity_m_s2.dot(body.state.x[i]);

@@ -14,6 +14,7 @@
 #include "supple/world/body_template.h"
 #include "supple/world/loads.h"
 #include "supple/world/step_report.h"
+#include "supple/world/stress.h"
 
 namespace supple {
 
@@ -98,7 +99,8 @@ struct BodyDef {
 
 struct Energy {
     double kinetic_j = 0, elastic_j = 0, gravity_j = 0;  ///< gravity: -sum m g.x, zero at the origin
-    double total_j() const { return kinetic_j + elastic_j + gravity_j; }
+    double loads_j = 0;  ///< dead loads: -sum f.(x - start position), zero at the start; what follows the body has no potential here
+    double total_j() const { return kinetic_j + elastic_j + gravity_j + loads_j; }
 };
 
 struct PickHit {
@@ -163,6 +165,7 @@ public:
 
     // -- results --------------------------------------------------------------------------------------
     std::span<const Vec3> positions(BodyId body) const;           ///< [m]
+    std::vector<Vec3> start_positions(BodyId body) const;         ///< where reset() puts it [m]
     std::span<const Vec3> previous_positions(BodyId body) const;  ///< before the last step: for interpolation [m]
     std::span<const Vec3> velocities(BodyId body) const;          ///< [m/s]
     std::span<const double> masses(BodyId body) const;            ///< lumped [kg]
@@ -171,6 +174,9 @@ public:
     std::span<const Voigt> cauchy_stress(BodyId body) const;      ///< per vertex [Pa]
     std::span<const double> element_von_mises(BodyId body) const; ///< per element [Pa]
     std::span<const Voigt> element_cauchy_stress(BodyId body) const;
+    /// Tensor, von Mises and principal stresses at vertices or elements by the strain and the recovery of `def`: any element, any law.
+    StressField stress(BodyId body, const StressDef& def = {}) const;
+    void stress(BodyId body, const StressDef& def, StressField& out) const;  ///< the same into arrays that are kept: allocates only to grow
     Energy energy() const;
     Vec3 reaction_n(BodyId body) const;      ///< force of the supports and prescribed motions on the body in the last step [N]
     Vec3 reaction_n() const;                 ///< the same, all bodies
@@ -196,6 +202,7 @@ public:
     struct Impl;  ///< private to world/
 
 private:
+    friend class Inspector;
     std::unique_ptr<Impl> impl_;
 };
 

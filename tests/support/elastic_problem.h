@@ -36,21 +36,21 @@ struct ElasticProblem {
     ElasticProblem(std::shared_ptr<const BodyTemplate> body, const Def& def, Held&& held_bits, int threads = 1)
         : shape(std::move(body)), pattern(shape->data().pattern), team(threads) {
         const TemplateData& data = shape->data();
-        const std::size_t n = data.rest.vertices;
+        const fem::ElementLayout& layout = data.layout;
+        const std::size_t n = layout.vertices;
         fem::ElementsDef elements_def;
-        elements_def.rest = &data.rest;
-        elements_def.corners = &data.corners;
-        elements_def.lists = {pattern.row_start, pattern.column, pattern.mirror, data.gather.start, data.gather.pair};
+        elements_def.layout = &layout;
+        elements_def.pattern = {pattern.row_start, pattern.column, pattern.mirror};
+        for (const solve::GatherMap& map : data.gather) elements_def.contributions.push_back({map.start, map.pair});
         elements_def.precision = sizeof(Real) == 4 ? fem::MatrixPrecision::single : fem::MatrixPrecision::double_;
         elements_def.isa = best_isa();
-        for (std::size_t e = 0; e < data.rest.elements; ++e) {
-            elements_def.lame.push_back(lame_parameters(def.young_pa * (e % 7 == 3 ? def.inclusion : 1), def.poisson, "test"));
-        }
-        auto elements = fem::make_elements(elements_def, Corotational{});
+        fem::ElementMaterials materials{{Corotational{.young_pa = def.young_pa, .poisson = def.poisson}}, {}, {}};
+        for (std::size_t e = 0; e < layout.elements; ++e) materials.stiffness_factor.push_back(e % 7 == 3 ? def.inclusion : 1);
+        auto elements = fem::make_elements(elements_def, materials);
         std::vector<Vec3> x = data.mesh.vertices;
         for (Vec3& p : x) p = def.turn * p;
         const Eigen::Quaterniond q(def.turn);
-        quaternion.resize(data.rest.blocks() * 4 * fem::kBlock);
+        quaternion.resize(layout.blocks * 4 * fem::kBlock);
         for (std::size_t i = 0; i < quaternion.size(); ++i) {
             const std::size_t k = i / fem::kBlock % 4;
             quaternion[i] = k == 0 ? q.w() : k == 1 ? q.x() : k == 2 ? q.y() : q.z();
@@ -59,8 +59,8 @@ struct ElasticProblem {
         outputs.tangent = true;
         elements->evaluate(team, x.data()->data(), quaternion.data(), outputs);
         A = {&pattern, AlignedVector<Real>(pattern.blocks() * 12, Real(0))};
-        elements->assemble(team, def.time_step_s * def.time_step_s, fem::lumped_mass(data.rest, 1000), A.value.data());
-        for (const double v : data.rest.volume) volume += v;
+        elements->assemble(team, def.time_step_s * def.time_step_s, fem::lumped_mass(data.mesh, std::vector<double>{1000}), A.value.data());
+        for (const double v : layout.volume) volume += v;
         for (std::size_t i = 0; i < n; ++i) held.push_back(held_bits(data.mesh.vertices[i]));
 
         std::vector<Eigen::Triplet<double>> triplets;
