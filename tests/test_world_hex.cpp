@@ -1,6 +1,7 @@
 // Bodies of hexahedra, and of tets and hexes, in motion: stiffness of slender and nearly incompressible bodies, momentum, long runs, history, picking.
 #include <gtest/gtest.h>
 
+#include "supple/world/evaluate.h"
 #include "support/bodies.h"
 
 namespace supple {
@@ -209,6 +210,21 @@ TEST(WorldHex, MaterialsOfElementsAreChecked) {
         EXPECT_EQ(e.code(), ErrorCode::unsupported);
         EXPECT_NE(e.message().find("fibre_stiffness_pa"), std::string::npos) << e.what();
     }
+}
+
+TEST(WorldHex, WhatHexesDoNotDoIsSaid) {
+    World world;
+    Corotational plastic;
+    plastic.plasticity.yield = 0.1;
+    try {
+        world.add_body({.shape = test::hex_bar({2, 1, 1}), .material = plastic});
+        ADD_FAILURE() << "a plastic hex body was accepted";
+    } catch (const Error& e) {
+        EXPECT_EQ(e.code(), ErrorCode::unsupported);
+    }
+    const auto shape = test::hex_bar({2, 1, 1});
+    const auto& X = shape->mesh().vertices;
+    EXPECT_THROW(force_differential(*shape, Corotational{}, X, X, Tangent::exact), Error);
 }
 
 TEST(WorldHex, BodyForcesReachEveryCorner) {

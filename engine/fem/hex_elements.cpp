@@ -30,6 +30,11 @@ public:
           rest_(def.group->hexes),
           frame_(frame_of(materials.of(std::size_t(def.group->element[0])))),
           kernels_(hex8_kernels(def.isa)) {
+        for (const std::int32_t e : def.group->element) {
+            if (plasticity_of(materials.of(std::size_t(e))).flows()) {
+                throw Error(ErrorCode::unsupported, "material.plastic_yield", "hexahedra are elastic in this build; take tetrahedra for a plastic body");
+            }
+        }
         lame_ = group_lame(*def.group, materials);
         moduli_ = make_moduli(rest_.blocks(), lame_);
         stiffness_ = make_hex_stiffness(rest_, lame_, group_integration(*def.group, materials), def.precision == MatrixPrecision::single);

@@ -181,6 +181,7 @@ LinearSolveResult LinearSolver<Real>::solve(Team& team, const Bsr3<Real>& A, std
     import(team, b, r_.data());
     warm_start(team, A, appended, guesses, x);
     double recurrence = std::sqrt(square(team, r_.data()));
+    result.start_residual = recurrence;
     double last_true = HUGE_VAL;
     for (int pass = 0;; ++pass) {
         if (recurrence > def.target && result.iterations < def.max_iterations) {

@@ -15,6 +15,7 @@ struct LinearSolveDef {
 
 struct LinearSolveResult {
     int iterations = 0;
+    double start_residual = 0;     ///< of the best start
     double residual = 0;           ///< |b - A x|, from the true float64 residual
     bool converged = false;
     bool stalled = false;          ///< a pass no longer lowers the true residual: the precision of the matrix is used up

@@ -1,6 +1,7 @@
 #include "supple/world/precondition.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace supple {
 
@@ -13,6 +14,7 @@ constexpr std::size_t kMultigridRows = 1500;   // auto: bodies of so many vertic
 constexpr std::size_t kSmallestForLattice = 100;  // below, no lattice is coarser than the mesh
 constexpr std::int32_t kTrialEvery = 50;       // solves between two trials of block-Jacobi
 constexpr std::int32_t kSlowSolves = 5;        // in a row, before the hierarchy is built anew
+constexpr int kTellingIterations = 4;          // fewer say nothing about a hierarchy
 constexpr std::int32_t kBrokenSolves = 100;    // before a preconditioner that broke down gets another chance
 
 PreconditionerKind kind_at_work(const Body& body) { return PreconditionerKind(body.state.solver[kMemoryKind]); }
@@ -100,16 +102,20 @@ void note_jacobi(Body& body, int iterations) {
     if (iterations > kJacobiLimit && body.vertices() >= kSmallestForLattice && !body.elements->is_coupled()) set_kind(body, PreconditionerKind::lattice_multigrid);
 }
 
-/// Looks back on a solve by the multigrid.
-void note_multigrid(Body& body, int iterations, bool automatic) {
+/// Looks back on a solve by the multigrid. What a hierarchy is worth shows in iterations per digit: their number alone changes with the start.
+void note_multigrid(Body& body, const solve::LinearSolveResult& result, bool automatic) {
     std::vector<std::int32_t>& m = body.state.solver;
+    const int iterations = result.iterations;
     if (automatic && m[kMemoryTrial] > 0 && iterations * kCycleCost <= kJacobiLimit) --m[kMemoryTrial];
+    const double digits = std::log10(result.start_residual / result.residual);
+    if (iterations < kTellingIterations || !(digits >= 1)) return;
+    const auto cost = std::int32_t(std::min(1e6, 1000 * iterations / digits));
     if (m[kMemoryBase] == 0) {
-        m[kMemoryBase] = std::max(iterations, 4);  // a body at rest says nothing about the work to come
+        m[kMemoryBase] = cost;
         m[kMemorySlow] = 0;
         return;
     }
-    m[kMemorySlow] = 2 * iterations > 3 * m[kMemoryBase] ? m[kMemorySlow] + 1 : 0;
+    m[kMemorySlow] = cost > m[kMemoryBase] + m[kMemoryBase] / 2 ? m[kMemorySlow] + 1 : 0;
     if (m[kMemorySlow] < kSlowSolves) return;
     body.state.hierarchy_x = body.state.x;
     body.state.hierarchy_quaternion = body.state.quaternion;
@@ -192,7 +198,7 @@ solve::LinearSolveResult solve_preconditioned(StepContext& ctx, Body& body, std:
             go_on(ctx, body, system, *system.multigrid, def, true_residual, result);
         } else {
             result = run(ctx, body, system, *system.multigrid, b, guesses, def, true_residual);
-            if (!result.breakdown && remember) note_multigrid(body, result.iterations, automatic);
+            if (!result.breakdown && remember) note_multigrid(body, result, automatic);
         }
         if (result.breakdown) {
             ctx.report.flags |= StepFlag::preconditioner;

@@ -9,7 +9,7 @@ namespace supple {
 /// Where BodyState::solver keeps what.
 enum SolverMemory : std::size_t {
     kMemoryKind,        ///< PreconditionerKind at work; automatic: not chosen yet
-    kMemoryBase,        ///< iterations of the first solve with the current hierarchy, 0: none yet
+    kMemoryBase,        ///< thousandths of an iteration per digit in the first solve with the current hierarchy, 0: none yet
     kMemorySlow,        ///< solves in a row that took half as many again
     kMemoryTrial,       ///< solves until block-Jacobi is tried again
     kMemoryBroken,      ///< solves that block-Jacobi stands in for a preconditioner that broke down
