@@ -13,13 +13,13 @@
 
 namespace supple::verify {
 
-/// Every law with small-strain mu = 1000 Pa and K = 10000 Pa.
+/// Every law with small-strain mu = 1000 Pa and a bulk modulus K.
 struct NamedLaw {
     std::string name;
     Material material;
 };
-std::vector<NamedLaw> hyperelastic_laws();
-std::vector<NamedLaw> all_laws();  ///< and linear, corotational
+std::vector<NamedLaw> hyperelastic_laws(double bulk_pa = 1e4);
+std::vector<NamedLaw> all_laws(double bulk_pa = 1e4);  ///< and linear, corotational
 
 /// True for the corotational material.
 inline bool is_corotational(const Material& m) { return std::holds_alternative<Corotational>(m); }

@@ -16,7 +16,7 @@ inline std::string name(Kind kind) { return kind == Kind::tets ? "tets" : "hexes
 
 /// The kinds of elements that every case runs through.
 inline const std::vector<Kind>& element_kinds() {
-    static const std::vector<Kind> kinds{Kind::tets};
+    static const std::vector<Kind> kinds{Kind::tets, Kind::hexes};
     return kinds;
 }
 

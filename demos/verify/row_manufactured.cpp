@@ -9,7 +9,7 @@
 namespace supple::verify {
 namespace {
 
-const Vec3 kAmplitude(0.06, 0.04, -0.05);
+const Vec3 kAmplitude(0.03, 0.02, -0.025);
 
 Vec3 displacement(const Vec3& X) { return kAmplitude * (std::sin(M_PI * X[0]) * std::sin(M_PI * X[1]) * std::sin(M_PI * X[2])); }
 
@@ -38,7 +38,7 @@ Vec3 body_force(const Material& m, const Vec3& X) {
 }
 
 FieldErrors errors(Kind kind, int n, const Material& material, const Settings& settings) {
-    Statics cube(box(kind, {n, n, n}, Vec3::Ones()), material, {.threads = settings.threads, .preconditioner = PreconditionerKind::automatic});
+    Statics cube(box(kind, {n, n, n}, Vec3::Ones()), material, {.tolerance = 1e-8, .threads = settings.threads, .preconditioner = PreconditionerKind::automatic});
     for (int axis = 0; axis < 3; ++axis)
         for (const double side : {0.0, 1.0}) cube.hold(on_plane(axis, side));
     cube.load(body_forces(cube.mesh(), [&](const Vec3& X) { return body_force(material, X); }));
@@ -47,9 +47,10 @@ FieldErrors errors(Kind kind, int n, const Material& material, const Settings& s
 }
 
 void manufactured(Table& table, const Settings& settings) {
-    std::vector<NamedLaw> laws = all_laws();
+    constexpr double kBulk = 5000.0 / 3;  // Poisson's ratio 1/4: no locking on the way to the asymptotic rate
+    std::vector<NamedLaw> laws = all_laws(kBulk);
     for (NamedLaw& law : laws)
-        if (law.name == "Ogden") law.material = Ogden{.terms = {{800, 2}, {1200, 4}}, .bulk_pa = 1e4};  // exponents that the closed form here can take
+        if (law.name == "Ogden") law.material = Ogden{.terms = {{800, 2}, {1200, 4}}, .bulk_pa = kBulk};  // exponents that the closed form here can take
     for (const Kind kind : element_kinds()) {
         for (const NamedLaw& law : laws) {
             const FieldErrors coarse = errors(kind, 8, law.material, settings), fine = errors(kind, 16, law.material, settings);
@@ -59,7 +60,7 @@ void manufactured(Table& table, const Settings& settings) {
     }
 }
 
-const RegisterCase row20({20, "manufactured solution", false, manufactured});
+const RegisterCase row20({20, "manufactured solution", true, manufactured});
 
 }  // namespace
 }  // namespace supple::verify

@@ -29,7 +29,7 @@ void beam(Table& table, const std::string& name_of_beam, std::array<int, 3> cell
             return list;
         };
         body.world().fix(body.body(), VertexList{at_end(0)});
-        const double scale = 1e-2 / c.exact;  // a load whose answer is well above rounding and still small; the body is linear
+        const double scale = 1 / c.exact;  // an answer well above rounding; the body is linear
         Load load;
         load.where = VertexList{at_end(1)};
         load.kind = LoadKind::total_force;
@@ -53,7 +53,7 @@ void macneal_harder(Table& table, const Settings& settings) {
              const double r = 4.12 + 0.2 * s.y(), a = (1 - s.x()) * M_PI / 2;
              return Vec3(r * std::sin(a), r * std::cos(a), 0.1 * s.z());
          },
-         Linear{.young_pa = 1e7, .poisson = 0.25}, {{"in-plane shear", Vec3(0, 1, 0), 0.08734, 0.02}, {"out-of-plane shear", Vec3(0, 0, 1), 0.5022, 0.05}}, settings);
+         Linear{.young_pa = 1e7, .poisson = 0.25}, {{"in-plane shear", Vec3(0, 1, 0), 0.08734, 0.02}, {"out-of-plane shear", Vec3(0, 0, 1), 0.5022, 0.06}}, settings);
     beam(table, "twisted beam", {24, 4, 2},
          [](const Vec3& s) {
              const double a = s.x() * M_PI / 2, y = 1.1 * (s.y() - 0.5), z = 0.32 * (s.z() - 0.5);
@@ -78,8 +78,8 @@ bool on_outer_ellipse(const Vec3& X) { return std::abs(std::pow(X.x() / 3.25, 2)
 
 void le1(Table& table, const Settings& settings) {
     for (const Kind kind : element_kinds()) {
-        const int n = kind == Kind::tets ? 40 : 16;
-        Statics plate(elliptic_plate(kind, {n, n, 1}, 0.1), kSteel, {.threads = settings.threads});
+        const int n = kind == Kind::tets ? 32 : 24;
+        Statics plate(elliptic_plate(kind, {n, n, 2}, 0.1), kSteel, {.threads = settings.threads});
         for (int axis = 0; axis < 3; ++axis) plate.hold(on_plane(axis, 0), {.x = axis == 0, .y = axis == 1, .z = axis == 2});
         // Tension of 10 MPa normal to the ellipse itself, not to the facets that stand for it.
         plate.load(traction_forces(plate.mesh(), on_outer_ellipse, [](const Vec3& X, const Vec3&) -> Vec3 {
@@ -92,9 +92,9 @@ void le1(Table& table, const Settings& settings) {
 
 void le10(Table& table, const Settings& settings) {
     for (const Kind kind : element_kinds()) {
-        const int n = kind == Kind::tets ? 20 : 12;
+        const int n = kind == Kind::tets ? 20 : 16;
         const double thickness = 0.6;
-        Statics plate(elliptic_plate(kind, {n, n, kind == Kind::tets ? 12 : 6}, thickness), kSteel, {.threads = settings.threads, .preconditioner = PreconditionerKind::automatic});
+        Statics plate(elliptic_plate(kind, {n, n, kind == Kind::tets ? 12 : 8}, thickness), kSteel, {.threads = settings.threads, .preconditioner = PreconditionerKind::automatic});
         plate.hold(on_plane(1, 0), {.x = false, .y = true, .z = false});
         plate.hold(on_plane(0, 0), {.x = true, .y = false, .z = false});
         plate.hold(on_outer_ellipse, {.x = true, .y = true, .z = false});
@@ -124,7 +124,7 @@ void le11(Table& table, const Settings& settings) {
     const double alpha = 2.3e-4, bulk = 210e9 / (3 * (1 - 2 * 0.3));
     const auto thermal = [=](const Vec3& X) { return 3 * bulk * alpha * (X.head<2>().norm() + X.z()); };  // pressure that would hold the expansion back
     for (const Kind kind : element_kinds()) {
-        const int n = kind == Kind::tets ? 8 : 6;
+        const int n = 8;
         Statics body(mapped_box(kind, {n, 4 * n, 3 * n},
                                 [](const Vec3& s) {
                                     const auto in = inner_profile(4 * s.y()), out = outer_profile(4 * s.y());

@@ -68,10 +68,12 @@ VolumeMesh membrane(Kind kind, int n) {
 /// Vertical displacement of (48, 52) under unit shear force on x = 48. z is held on one face (the middle of a plate twice as thick, free outside: plane stress)
 /// or on both (plane strain).
 double cook(Kind kind, int n, const Material& material, bool plane_strain, const Settings& settings) {
-    Statics plate(membrane(kind, n), material, {.threads = settings.threads});
+    const bool nodal = kind == Kind::tets && volumetric_of(material) == Volumetric::nodal;  // that stiffness lies beside the matrix: a factor does not hold it
+    Statics plate(membrane(kind, n), material,
+                  {.tolerance = nodal ? 1e-6 : 1e-9, .threads = settings.threads, .preconditioner = nodal ? PreconditionerKind::automatic : PreconditionerKind::direct});
     plate.hold(on_plane(0, 0), {.x = true, .y = true, .z = false});
     plate.hold(plane_strain ? everywhere() : on_plane(2, 0), {.x = false, .y = false, .z = true});
-    const double force = 1e-3;  // stays linear: E = 1
+    const double force = 1;  // the material is linear: any will do
     plate.load(traction_forces(plate.mesh(), on_plane(0, 48), [&](const Vec3&, const Vec3&) { return Vec3(0, force / 16, 0); }));
     plate.solve();
     const Where middle = [](const Vec3& X) { return std::abs(X.x() - 48) < 1e-6 && std::abs(X.y() - 52) < 1e-6; };
@@ -81,14 +83,17 @@ double cook(Kind kind, int n, const Material& material, bool plane_strain, const
 void cooks_membrane(Table& table, const Settings& settings) {
     for (const Kind kind : element_kinds()) {
         const Material m = Linear{.young_pa = 1, .poisson = 1.0 / 3};
-        const int n = kind == Kind::tets ? 32 : 16;
+        const int n = kind == Kind::tets ? 48 : 16;
         const double coarse = cook(kind, n / 2, m, false, settings), fine = cook(kind, n, m, false, settings);
         table.relative("Cook's membrane, plane stress, " + name(kind) + " " + std::to_string(n) + " x " + std::to_string(n) + ": middle of the edge [m/N]", 23.96, fine,
                        kind == Kind::tets ? 0.03 : 0.01, std::log2((23.965 - coarse) / (23.965 - fine)));
         // Tets lock here unless their volumetric stiffness sits at the vertices; hexahedra have their inner modes.
         const Material rubber = Linear{.young_pa = 1, .poisson = 0.4999, .volumetric = Volumetric::nodal};
-        table.relative("Cook's membrane, plane strain, nu = .4999, " + name(kind) + " 16 x 16: middle of the edge [m/N]", 18.5, cook(kind, 16, rubber, true, settings), 0.05);
+        for (const int cells : kind == Kind::tets ? std::vector<int>{16, 36} : std::vector<int>{16})
+            table.relative("Cook's membrane, plane strain, nu = .4999, " + name(kind) + " " + std::to_string(cells) + " x " + std::to_string(cells) + ": middle of the edge [m/N]", 18.5,
+                           cook(kind, cells, rubber, true, settings), kind == Kind::tets && cells == 16 ? 0.18 : 0.05);
     }
+    table.note("16 x 16 cells of linear tets are about as stiff at nu = 1/3: what is left is their bending, not locking. The nodal volume is theirs, hexahedra are as they are by default.");
 }
 
 // -- row 18 -----------------------------------------------------------------------------------------------
@@ -104,10 +109,10 @@ Mat3 kirsch(const Vec3& X) {
     return s;
 }
 
-/// A quarter of the plate to x, y <= 4: two patches around the hole, denser towards it.
+/// A quarter of the plate to x, y <= 4: two patches around the hole, denser towards it; two layers, for patch recovery wants vertices inside.
 VolumeMesh plate_with_hole(Kind kind, int n, double thickness) {
     const auto sector = [&](bool upper) {
-        return mapped_box(kind, {n, n, 1}, [=](const Vec3& s) {
+        return mapped_box(kind, {n, n, 2}, [=](const Vec3& s) {
             const double around = (upper ? 1 + s.y() : s.y()) * M_PI / 4;
             const Vec3 hole(std::cos(around), std::sin(around), 0);
             const Vec3 edge = upper ? Vec3(4 / std::tan(around), 4, 0) : Vec3(4, 4 * std::tan(around), 0);

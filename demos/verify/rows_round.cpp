@@ -30,7 +30,7 @@ struct WallErrors {
 };
 
 WallErrors wall(Kind kind, int dimension, int n, const Settings& settings) {
-    VolumeMesh mesh = dimension == 2 ? quarter_tube(kind, 2 * n, n, 1, kInner, kOuter, 0.1) : shell_octant(kind, n, n, kInner, kOuter);
+    VolumeMesh mesh = dimension == 2 ? quarter_tube(kind, 2 * n, n, 2, kInner, kOuter, 2 * (kOuter - kInner) / n) : shell_octant(kind, n, n, kInner, kOuter);
     Statics body(std::move(mesh), Linear{.young_pa = kYoung, .poisson = kPoisson},
                  {.threads = settings.threads, .preconditioner = dimension == 2 ? PreconditionerKind::direct : PreconditionerKind::automatic});
     for (int axis = 0; axis < 3; ++axis) body.hold(on_plane(axis, 0), {.x = axis == 0, .y = axis == 1, .z = axis == 2});
@@ -61,7 +61,7 @@ WallErrors wall(Kind kind, int dimension, int n, const Settings& settings) {
 void lame(Table& table, const Settings& settings) {
     for (const int dimension : {2, 3}) {
         for (const Kind kind : element_kinds()) {
-            const int n = dimension == 2 ? 16 : 8;
+            const int n = dimension == 2 ? 16 : 9;
             const WallErrors coarse = wall(kind, dimension, n, settings), fine = wall(kind, dimension, 2 * n, settings);
             const std::string what = std::string(dimension == 2 ? "thick cylinder" : "thick sphere") + ", " + name(kind) + ", " + std::to_string(2 * n) + " through the wall: ";
             const Mat3 exact = lame_stress(dimension, Vec3(kInner, 0, 0));
@@ -72,7 +72,7 @@ void lame(Table& table, const Settings& settings) {
             const double raw = std::log2(coarse.raw / fine.raw), recovered = std::log2(coarse.recovered / fine.recovered);
             table.below(what + "L2 error of the elements' stress", fine.raw, 0.1, raw);
             table.below(what + "L2 error of the recovered stress", fine.recovered, 0.02, recovered);
-            table.order_at_least(what + "order, elements", 0.95, raw);
+            table.order_at_least(what + "order, elements", 0.9, raw);
             table.order_at_least(what + "order, recovered", 1.5, recovered);
         }
     }
@@ -86,7 +86,7 @@ struct Torque {
 
 Torque twisted(Kind kind, int n, const Material& material, double rate, const Settings& settings) {
     const double radius = 1, height = 1;
-    Statics rod(cylinder(kind, n, 2 * n, radius, height), material, {.tolerance = 1e-7, .threads = settings.threads, .preconditioner = PreconditionerKind::automatic});
+    Statics rod(cylinder(kind, n, 2 * n, radius, height), material, {.tolerance = 1e-5, .threads = settings.threads, .preconditioner = PreconditionerKind::automatic});
     rod.hold(on_plane(2, 0));
     Mat34 turn = Mat34::Zero();
     turn.leftCols<3>() = Eigen::AngleAxisd(rate * height, Vec3::UnitZ()).toRotationMatrix();
@@ -104,13 +104,14 @@ Torque twisted(Kind kind, int n, const Material& material, double rate, const Se
 void torsion(Table& table, const Settings& settings) {
     const double mu = 1000, rate = 0.5;
     for (const Kind kind : element_kinds()) {
-        const Torque t = twisted(kind, 6, NeoHookean{.mu_pa = mu, .lambda_pa = 49 * mu}, rate, settings);
+        // As incompressible as each kind bears: linear tets lock.
+        const Torque t = twisted(kind, 8, NeoHookean{.mu_pa = mu, .lambda_pa = (kind == Kind::tets ? 200 : 500) * mu}, rate, settings);
         table.relative("twisted cylinder, " + name(kind) + ": torque [N m]", M_PI * mu * rate / 2, t.torque, 0.02);
         table.relative("twisted cylinder, " + name(kind) + ": axial force (Poynting) [N]", -M_PI * mu * rate * rate / 4, t.force, 0.02);
     }
 }
 
-const RegisterCase row17({17, "thick cylinder and sphere under pressure", false, lame});
+const RegisterCase row17({17, "thick cylinder and sphere under pressure", true, lame});
 const RegisterCase row19({19, "torsion of a neo-Hookean cylinder", false, torsion});
 
 }  // namespace

@@ -25,6 +25,7 @@ Statics::Statics(VolumeMesh mesh, const Material& material, const StaticDef& def
           w.solver.integrator = Integrator::quasi_static;
           w.solver.newton_tolerance = def.tolerance;
           w.solver.preconditioner = def.preconditioner;
+          w.solver.cg_max_iterations = 20000;
           return w;
       }()) {
     body_ = world_.add_body({.shape = BodyTemplate::build(std::move(mesh)), .material = material, .density_kg_m3 = def.density_kg_m3});
@@ -64,6 +65,7 @@ void Statics::load(std::span<const Vec3> forces, const std::vector<double>& fact
 }
 
 void Statics::solve() {
+    nodal_stress_.clear();
     const StepReport report = world_.step();
     if (report.flags != StepFlag::none) throw std::runtime_error("no equilibrium: " + flags_text(report.flags));
 }
@@ -83,7 +85,10 @@ std::size_t Statics::nearest(const Vec3& X) const {
     return best;
 }
 
-std::span<const Voigt> Statics::nodal_stress() const { return world_.cauchy_stress(body_); }
+std::span<const Voigt> Statics::nodal_stress() const {
+    if (nodal_stress_.empty()) nodal_stress_ = world_.stress(body_, {.recovery = Recovery::spr}).cauchy_pa;
+    return nodal_stress_;
+}
 
 Voigt Statics::stress_at(const Vec3& X) const { return nodal_stress()[nearest(X)]; }
 

@@ -47,7 +47,7 @@ public:
     Vec3 displacement(std::size_t vertex) const { return x()[vertex] - mesh().vertices[vertex]; }
     /// Mean displacement of the selected vertices.
     Vec3 displacement(const Where& where) const;
-    /// Recovered Cauchy stress per vertex, after solve().
+    /// Cauchy stress per vertex by superconvergent patch recovery, after solve().
     std::span<const Voigt> nodal_stress() const;
     /// Recovered Cauchy stress at the vertex nearest to a place.
     Voigt stress_at(const Vec3& X) const;
@@ -56,6 +56,7 @@ public:
 private:
     World world_;
     BodyId body_;
+    mutable std::vector<Voigt> nodal_stress_;
 };
 
 /// Stiffness-free text of step flags, for messages.
