@@ -31,7 +31,7 @@ struct RecordOptions {
     std::size_t stills = 0;
     ShowOptions show;
     FrameOptions frame;
-    std::string stress_at = "vertex", range;
+    std::string color_by, stress_at = "vertex", range;
     bool no_stress = false;
     bool quiet = false;
 };
@@ -133,7 +133,9 @@ int record(RecordOptions o) {
     int width = 0, height = 0;
     read_size(o.size, width, height);
     color_map(o.frame.map);  // refuses an unknown name before anything is computed
-    o.frame.stress = !o.no_stress;
+    if (o.color_by == "stress") o.frame.color_by = ColorBy::stress;
+    if (o.color_by == "stiffness") o.frame.color_by = ColorBy::stiffness;
+    if (o.no_stress) o.frame.color_by = ColorBy::nothing;
     o.frame.stress_at = o.stress_at == "element" ? FrameOptions::At::element : o.stress_at == "point" ? FrameOptions::At::point : FrameOptions::At::vertex;
     if (!o.range.empty()) o.frame.range_pa = read_range(o.range);
     const OpenedShow opened = open_show(o.scene, o.show);
@@ -187,11 +189,13 @@ void add_record_command(CLI::App& app, int& status) {
     command->add_option("--fps", o->frames_per_s, "frames per second [60]")->check(CLI::Range(1.0, 1000.0));
     command->add_option("--stills", o->stills, "also write so many PNG pictures beside the video")->check(CLI::Range(1, 1000));
     command->add_option("--map", o->frame.map, "colour map [viridis]");
+    CLI::Option* color_by = command->add_option("--color-by", o->color_by, "stress (von Mises) or stiffness (Young's modulus) [stress, or what the demo shows]")
+                                ->check(CLI::IsMember({"stress", "stiffness"}));
+    command->add_flag("--no-stress", o->no_stress, "plain material instead of a colour map")->excludes(color_by);
     command->add_option("--stress-at", o->stress_at, "stress map: vertex (smooth), element (flat) or point (inside a translucent body) [vertex]")
         ->check(CLI::IsMember({"vertex", "element", "point"}));
     command->add_option("--range", o->range, "LOW,HIGH of the colours [Pa] [automatic: smoothed, 99 % of the stresses]");
     command->add_option("--opacity", o->frame.opacity, "of the bodies, 0.01..1 [1; with points 0.25]")->check(CLI::Range(0.01, 1.0));
-    command->add_flag("--no-stress", o->no_stress, "plain material instead of the stress map");
     command->add_flag("--wireframe", o->frame.wireframe, "draw the edges of the elements");
     command->add_option("--threads", o->show.threads, "threads [those of the scene, or all cores]")->check(CLI::Range(1, 256));
     command->add_flag("--quiet", o->quiet, "no progress bar and no table");

@@ -12,6 +12,9 @@
 
 namespace supple::demos {
 
+/// What the colours of the surfaces show.
+enum class ColorBy { nothing, stress, stiffness };
+
 /// A running demo or scene: a world, what is done to it over time, and how it is shown.
 class Show {
 public:
@@ -19,6 +22,7 @@ public:
     virtual World& world() = 0;
     virtual void before_step() {}                    ///< scripted touch; simulated time is world().time_s()
     virtual void decorate(FrameView& view) { (void)view; }  ///< camera, caption, colour range, arrows; surfaces are already there
+    virtual ColorBy color_by() const { return ColorBy::stress; }  ///< at this moment, unless the command line says otherwise
     virtual std::vector<Probe> make_probes() { return {}; }  ///< what `run --probes` watches; none: every body as a whole
     virtual double duration_s() const { return 10; } ///< how long `record` runs by default
 };

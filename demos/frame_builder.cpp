@@ -24,6 +24,27 @@ double ground_below(const World& world) {
     return low - 0.45 * (bounds.max_m - bounds.min_m).norm();
 }
 
+/// Volume-weighted mean of Young's modulus around each vertex [Pa].
+std::vector<double> vertex_stiffness(const World& world, BodyId body) {
+    const VolumeMesh& mesh = world.shape(body).mesh();
+    const auto young = world.element_young_pa(body);
+    std::vector<double> sum(mesh.vertices.size(), 0.0), weight(mesh.vertices.size(), 0.0);
+    const auto add = [&](std::size_t element, const auto& corners, double volume) {
+        for (const std::int32_t v : corners) {
+            sum[std::size_t(v)] += volume * young[element];
+            weight[std::size_t(v)] += volume;
+        }
+    };
+    for (std::size_t e = 0; e < mesh.tets.size(); ++e) {
+        const Tet& t = mesh.tets[e];
+        const auto X = [&](std::size_t a) { return mesh.vertices[std::size_t(t[a])]; };
+        add(e, t, tet_volume(X(0), X(1), X(2), X(3)));
+    }
+    for (std::size_t e = 0; e < mesh.hexes.size(); ++e) add(mesh.tets.size() + e, mesh.hexes[e], 1.0);
+    for (std::size_t v = 0; v < sum.size(); ++v) sum[v] = weight[v] > 0 ? sum[v] / weight[v] : 0.0;
+    return sum;
+}
+
 }  // namespace
 
 double StressRange::update(std::vector<double> stresses_pa, double elapsed_s) {
@@ -83,8 +104,10 @@ const FrameView& FrameBuilder::build(double alpha, const std::string& hud, doubl
     const std::vector<BodyId> bodies = world.bodies();
     view_ = FrameView{};
     for (auto* lists : {&positions_, &centres_}) lists->resize(bodies.size());
-    flat_.resize(bodies.size());
+    for (auto* lists : {&flat_, &stiffness_}) lists->resize(bodies.size());
+    const ColorBy by = options_.color_by.value_or(show_->color_by());
     std::vector<double> stresses;
+    double stiffest = 0;
     for (std::size_t b = 0; b < bodies.size(); ++b) {
         const auto now = world.positions(bodies[b]), before = world.previous_positions(bodies[b]);
         positions_[b].resize(now.size());
@@ -97,12 +120,22 @@ const FrameView& FrameBuilder::build(double alpha, const std::string& hud, doubl
         surface.reference_positions = world.shape(bodies[b]).mesh().vertices;
         if (options_.wireframe) surface.edges = boundary.edges;
         if (options_.opacity) surface.opacity = *options_.opacity;
-        if (options_.stress) add_stress(b, surface, stresses);
+        if (by == ColorBy::stress) add_stress(b, surface, stresses);
+        if (by == ColorBy::stiffness) {
+            stiffness_[b] = vertex_stiffness(world, bodies[b]);
+            surface.scalar = stiffness_[b];
+            for (const double young : stiffness_[b]) stiffest = std::max(stiffest, young);
+        }
         view_.surfaces.push_back(surface);
     }
-    if (options_.stress && !stresses.empty()) {
+    if (by == ColorBy::stress && !stresses.empty()) {
         view_.scale = ColorScale{};
         if (!options_.range_pa) view_.scale->high = range_.update(std::move(stresses), elapsed_s);
+    }
+    if (by == ColorBy::stiffness && stiffest > 0) {
+        view_.scale = ColorScale{};
+        view_.scale->high = round_up(stiffest * (1 - 1e-9));  // a round number stays itself
+        view_.scale->title = "Young's modulus";
     }
     view_.ground_height_m = ground_m_;
     view_.hud = hud;

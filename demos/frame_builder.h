@@ -10,7 +10,7 @@
 namespace supple::demos {
 
 struct FrameOptions {
-    bool stress = true;        ///< colour by von Mises stress
+    std::optional<ColorBy> color_by;  ///< none: what the show wants
     enum class At { vertex, element, point };
     At stress_at = At::vertex; ///< smooth; flat per element; points at the centres of the elements in a translucent body
     std::optional<std::array<double, 2>> range_pa;  ///< of the colours; empty: automatic
@@ -47,7 +47,7 @@ private:
     StressRange range_;
     FrameView view_;
     std::vector<std::vector<Vec3>> positions_, centres_;
-    std::vector<std::vector<double>> flat_;
+    std::vector<std::vector<double>> flat_, stiffness_;  ///< per body: of triangles, of vertices
 
     void add_stress(std::size_t b, SurfaceView& surface, std::vector<double>& stresses);
 };

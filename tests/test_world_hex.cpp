@@ -111,8 +111,8 @@ BodyDef mixed_body(bool several_laws) {
     def.shape = BodyTemplate::build(std::move(mesh));
     def.material = Corotational{.young_pa = 2e4, .poisson = 0.4};
     if (several_laws) {
-        def.region_materials = {NeoHookean{1e4, 4e4}, StableNeoHookean{8e3, 2e4}};
-        for (std::size_t e = 0; e < def.shape->mesh().element_count(); ++e) def.material_of_element.push_back(std::int32_t(e % 3));
+        const Material laws[3] = {def.material, NeoHookean{1e4, 4e4}, StableNeoHookean{8e3, 2e4}};
+        for (std::size_t e = 0; e < def.shape->mesh().element_count(); ++e) def.material_per_element.push_back(laws[e % 3]);
     }
     return def;
 }
@@ -194,16 +194,22 @@ TEST(WorldHex, PickingGivesTheHex) {
 TEST(WorldHex, MaterialsOfElementsAreChecked) {
     World world;
     BodyDef def = mixed_body(true);
-    def.material_of_element[5] = 3;
-    EXPECT_THROW(world.add_body(def), Error);
-    def.material_of_element[5] = -1;
-    EXPECT_THROW(world.add_body(def), Error);
-    def.material_of_element[5] = 0;
-    def.region_materials[1] = NeoHookean{-1, 1};
+    def.material_per_element[5] = NeoHookean{-1, 1};
     EXPECT_THROW(world.add_body(def), Error);
     def = mixed_body(true);
-    def.material_of_element.pop_back();
+    def.material_per_element.pop_back();
     EXPECT_THROW(world.add_body(def), Error);
+    def = mixed_body(true);
+    def.material_per_element[5] = Costa{};  // of a tet
+    EXPECT_NO_THROW(world.add_body(def));
+    def.material_per_element.back() = Costa{};  // of a hex
+    try {
+        world.add_body(def);
+        ADD_FAILURE() << "Costa's law was accepted for a hexahedron";
+    } catch (const Error& e) {
+        EXPECT_EQ(e.code(), ErrorCode::unsupported);
+        EXPECT_NE(e.message().find("fibre_stiffness_pa"), std::string::npos) << e.what();
+    }
 }
 
 TEST(WorldHex, WhatHexesDoNotDoIsSaid) {

@@ -21,9 +21,14 @@ struct Stretcher {
         def.solver.precision = Precision::double_;
         return def;
     }()) {
-        Material m = Corotational{.young_pa = kYoung, .poisson = kPoisson, .plasticity = plasticity};
-        if (small) m = Linear{kYoung, kPoisson, plasticity};
-        body = world.add_body({.shape = test::cube(2, 1), .material = m});
+        BodyDef def;
+        def.shape = test::cube(2, 1);
+        if (small) {
+            def.material.emplace<Linear>(Linear{kYoung, kPoisson, plasticity});
+        } else {
+            def.material.emplace<Corotational>(Corotational{.young_pa = kYoung, .poisson = kPoisson, .plasticity = plasticity});
+        }
+        body = world.add_body(def);
         Motion motion;
         for (const double t : end.times_s) motion.affine.times_s.push_back(t);
         for (const Vec3& u : end.values) {

@@ -77,7 +77,8 @@ std::vector<Vec3> start_of(Random& random, std::uint64_t seed, const std::vector
 /// The tangent as a World uses it (made positive for every law), through the room below: d.K d.
 class Tangents {
 public:
-    Tangents(const VolumeMesh& mesh, const Material& material) : layout_(fem::make_layout(mesh)), q_(layout_.blocks * 4 * fem::kBlock, 0.0), scratch_(layout_.places * 4) {
+    Tangents(const VolumeMesh& mesh, const Material& material)
+        : layout_(fem::make_layout(mesh)), q_(layout_.blocks * 4 * fem::kBlock, 0.0), scratch_(layout_.places * 4) {
         fem::ElementsDef def;
         def.layout = &layout_;
         elements_ = fem::make_elements(def, {{material}, {}, {}});

@@ -84,12 +84,13 @@ std::unique_ptr<Elements> make_group(const GroupDef& def, const ElementMaterials
     return hyperelastic ? make_hyper_hexes(def, materials) : make_frame_hexes(def, materials);
 }
 
-/// Materials of one family differ in numbers only: the same law, way to the rotation and number of terms.
+/// Materials of one family differ in numbers only: the same law, way to the rotation, regularization and number of terms.
 std::int32_t family_of(const Material& material) {
     std::size_t variant = 0;
     if (const auto* corotational = std::get_if<Corotational>(&material)) variant = std::size_t(corotational->rotation);
     if (volumetric_of(material) == Volumetric::nodal) variant += kFrames;
     if (const auto* ogden = std::get_if<Ogden>(&material)) variant = ogden->terms.size();
+    variant = 2 * variant + (is_regularized(material) ? 1 : 0);
     return std::int32_t(material.index() + std::variant_size_v<Material> * variant);
 }
 
@@ -101,6 +102,11 @@ std::vector<std::int32_t> ElementMaterials::families(std::size_t elements) const
     std::vector<std::int32_t> family(elements, of_material[0]);
     for (std::size_t e = 0; e < material_of_element.size(); ++e) family[e] = of_material[std::size_t(material_of_element[e])];
     return family;
+}
+
+Lame ElementMaterials::lame_of(std::size_t element) const {
+    const Lame lame = small_strain(of(element));
+    return {factor(element) * lame.lambda_pa, factor(element) * lame.mu_pa};
 }
 
 std::vector<Lame> group_lame(const ElementGroup& group, const ElementMaterials& materials) {

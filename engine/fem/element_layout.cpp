@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "supple/base/assert.h"
 #include "supple/fem/element_passes.h"
 #include "supple/fem/hex8_geometry.h"
 #include "supple/fem/rest.h"
@@ -113,12 +114,14 @@ std::size_t corner_volumes(const VolumeMesh& mesh, std::size_t element, double s
     return 8;
 }
 
-std::vector<double> lumped_mass(const VolumeMesh& mesh, double density_kg_m3) {
+std::vector<double> lumped_mass(const VolumeMesh& mesh, std::span<const double> density_kg_m3) {
+    SUPPLE_ASSERT(density_kg_m3.size() == 1 || density_kg_m3.size() == mesh.element_count());
     std::vector<double> mass(mesh.vertices.size(), 0.0);
     double share[8];
     for (std::size_t e = 0; e < mesh.element_count(); ++e) {
         const std::size_t corners = corner_volumes(mesh, e, share);
-        for (std::size_t a = 0; a < corners; ++a) mass[std::size_t(element_vertices(mesh, e)[a])] += density_kg_m3 * share[a];
+        const double density = density_kg_m3[density_kg_m3.size() == 1 ? 0 : e];
+        for (std::size_t a = 0; a < corners; ++a) mass[std::size_t(element_vertices(mesh, e)[a])] += density * share[a];
     }
     return mass;
 }

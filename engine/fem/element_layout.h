@@ -49,8 +49,8 @@ std::span<const std::int32_t> element_vertices(const VolumeMesh& mesh, std::size
 /// @param share  out, 4 or 8 numbers. Returns how many.
 std::size_t corner_volumes(const VolumeMesh& mesh, std::size_t element, double share[8]);
 
-/// Row-sum lumped mass [kg].
-std::vector<double> lumped_mass(const VolumeMesh& mesh, double density_kg_m3);
+/// Row-sum lumped mass [kg]. One density for all, or one per element.
+std::vector<double> lumped_mass(const VolumeMesh& mesh, std::span<const double> density_kg_m3);
 
 /// Trace of the diagonal stiffness block of each vertex at rest [N/m] (hexes: by full integration). lame: one per element of the mesh.
 std::vector<double> stiffness_trace(const ElementLayout& layout, std::span<const Lame> lame);

@@ -161,7 +161,9 @@ public:
     HyperTets(const GroupDef& def, const ElementMaterials& materials)
         : def_(def), rest_(def.group->tets), parameters_(make_hyper_parameters(*def.group, materials)), kernels_(tet4_hyper_kernels(def.isa)) {
         const std::size_t lanes = rest_.blocks() * kBlock;
-        tangent_.resize(lanes * kTangent);
+        def_.project = def.project && is_regularized(first_material(def, materials));
+        tangent_.resize(lanes * (is_tensor_law(parameters_.law) ? kTensorTangent : kTangent));
+        fibre_tangent_.resize(lanes * parameters_.families * kFibreTangent);
         if (def.precision == MatrixPrecision::single) block_f_.resize(lanes * kElementBlocks);
         if (def.precision == MatrixPrecision::double_) block_d_.resize(lanes * kElementBlocks);
     }
@@ -173,6 +175,8 @@ public:
         pass.volume = rest_.volume.data();
         pass.parameter = parameters_.field.data();
         pass.parameters = parameters_.count;
+        pass.fibre = parameters_.fibre.data();
+        pass.families = parameters_.families;
         pass.position = position;
         pass.project = def_.project;
         pass.quaternion = quaternion;
@@ -181,6 +185,7 @@ public:
         pass.stress = outputs.stress;
         if (outputs.tangent) {
             pass.tangent = tangent_.data();
+            pass.fibre_tangent = fibre_tangent_.data();
             if (!block_f_.empty()) pass.block_f = block_f_.data();
             if (!block_d_.empty()) pass.block_d = block_d_.data();
         }
@@ -191,8 +196,20 @@ public:
     std::optional<Lame> lame(std::size_t) const override { return {}; }
 
     void product(Team& team, const double*, const double* field, double* corner_value) override {
-        const Tet4HyperProduct pass{rest_.vertex.data(), rest_.gradient.data(), rest_.volume.data(), tangent_.data(), field, corner_value};
-        team.for_range(rest_.blocks(), kBlockChunk, [&](std::size_t begin, std::size_t end) { kernels_.product(pass, begin, end); });
+        Tet4HyperProduct pass;
+        pass.vertex = rest_.vertex.data();
+        pass.gradient = rest_.gradient.data();
+        pass.volume = rest_.volume.data();
+        pass.tangent = tangent_.data();
+        pass.parameter = parameters_.field.data();
+        pass.parameters = parameters_.count;
+        pass.fibre = parameters_.fibre.data();
+        pass.fibre_tangent = fibre_tangent_.data();
+        pass.families = parameters_.families;
+        pass.field = field;
+        pass.corner_force = corner_value;
+        const auto kernel = is_tensor_law(parameters_.law) ? kernels_.product_tensor : kernels_.product;
+        team.for_range(rest_.blocks(), kBlockChunk, [&](std::size_t begin, std::size_t end) { kernel(pass, begin, end); });
     }
 
     void assemble(Team& team, double scale, std::span<const double> shift, float* value) override {
@@ -217,7 +234,7 @@ private:
     const Tet4Rest& rest_;
     HyperParameters parameters_;
     const Tet4HyperKernels& kernels_;
-    AlignedVector<double> tangent_;
+    AlignedVector<double> tangent_, fibre_tangent_;
     AlignedVector<float> block_f_;
     AlignedVector<double> block_d_;
 };

@@ -73,13 +73,15 @@ public:
 
 /// Materials of a body's elements: one for all, or several and the index of each element's.
 struct ElementMaterials {
-    std::vector<Material> materials;                ///< at least one, validated (small_strain)
+    std::vector<Material> materials;                ///< at least one, validated (check_material)
     std::vector<std::int32_t> material_of_element;  ///< empty (all have the first), or one per element of the mesh
-    std::vector<Lame> lame;                         ///< empty, or one per element of the mesh: in place of the moduli of linear and corotational materials
+    std::vector<double> stiffness_factor;           ///< empty (1), or one per element of the mesh: multiplies every modulus in pascals
 
-    const Material& of(std::size_t element) const { return materials[material_of_element.empty() ? 0 : std::size_t(material_of_element[element])]; }
-    /// Small-strain moduli of an element.
-    Lame lame_of(std::size_t element) const { return lame.empty() ? small_strain(of(element)) : lame[element]; }
+    std::size_t index(std::size_t element) const { return material_of_element.empty() ? 0 : std::size_t(material_of_element[element]); }
+    const Material& of(std::size_t element) const { return materials[index(element)]; }
+    double factor(std::size_t element) const { return stiffness_factor.empty() ? 1.0 : stiffness_factor[element]; }
+    /// Small-strain moduli of an element, its factor included.
+    Lame lame_of(std::size_t element) const;
     /// Of the elements' laws; elements of one kind and family are one group. All that may differ inside a family are numbers.
     std::vector<std::int32_t> families(std::size_t elements) const;
 };
@@ -90,7 +92,7 @@ struct ElementsDef {
     std::vector<Contributions> contributions;  ///< one per group
     MatrixPrecision precision = MatrixPrecision::none;
     Isa isa = Isa::scalar;
-    bool project = true;                       ///< tangent made positive semidefinite
+    bool project = true;                       ///< tangent made positive semidefinite; of hyperelastic laws where matrix_regularization says so
     bool exact_rotation = false;               ///< corotational tets, polar or svd: the tangent has the rotation's derivative
 };
 

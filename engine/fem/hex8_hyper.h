@@ -17,6 +17,8 @@ struct Hex8HyperPass {
     const double* point = nullptr;
     const double* parameter = nullptr;      ///< as in Tet4HyperPass
     std::size_t parameters = 0;
+    const double* fibre = nullptr;          ///< as in Tet4HyperPass; I4 is that of Fb
+    std::size_t families = 0;
     const double* position = nullptr;
     bool project = true;                    ///< tangent made positive semidefinite
 

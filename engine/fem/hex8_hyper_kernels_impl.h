@@ -11,10 +11,12 @@
 /// Tangent, for a change dF of the points and dt = sum_a t_a.dx_a:
 ///     dFb = c (dF + F db),   db = (l'(t) dt - l'(J) dJ)/3,   dJ = C : dF,   dP = d2W : dFb,   3 dp = dP : Fb + P : dFb
 ///     df_a = -sum_q w (c dP + c db P - (dp l'(J) + p l''(J) dJ) C + (H / sum_q w - p l'(J)) dC) g_a - sum_q w (dp l'(t) + p l''(t) dt) t_a.
+/// Families of fibres (laws/fibres.h) are a part of W: they see Fb.
 /// Made positive semidefinite, it is the sum of w dFb : d2W+ : dFb alone, d2W+ projected as in tetrahedra: the terms with P, p and dC fall away, and so they do at rest.
 #include "supple/fem/hex8_hyper.h"
 #include "supple/fem/hex8_lanes.h"
 #include "supple/fem/principal_laws.h"
+#include "supple/material/laws/fibres.h"
 #include "supple/math/lane_polar.h"
 
 namespace supple::fem {
@@ -75,6 +77,12 @@ struct HexPointState {
     LogRatio l;
     Matrix F, C, P, U, V;
     Principal e;
+    FibreTerm fibre[2];
+};
+
+struct HexFibre {
+    Lanes k, b;
+    Vector f;
 };
 
 /// What the points of an element share.
@@ -82,6 +90,8 @@ struct HexShared {
     Lanes volume = Lanes(0.0), t = Lanes(0.0), H = Lanes(0.0), energy = Lanes(0.0);  // braces would make a list of one lane
     LogRatio l;
     Vector t_a[7];
+    std::size_t families = 0;
+    HexFibre fibre[2];
 };
 
 inline void read_points(const Hex8HyperPass& pass, std::size_t block, std::size_t lane, const Vector d[7], HexPointState points[8], HexShared& shared) {
@@ -103,6 +113,28 @@ inline void read_points(const Hex8HyperPass& pass, std::size_t block, std::size_
     shared.t = inv * shared.t;
     for (Vector& v : shared.t_a) v = inv * v;
     shared.l = log_ratio(shared.t);
+    shared.families = pass.families;
+    for (std::size_t n = 0; n < pass.families; ++n) {
+        const double* p = pass.fibre + (block * pass.families + n) * kFibre * kBlock + lane;
+        shared.fibre[n] = {load(p), load(p + kBlock), {load(p + 2 * kBlock), load(p + 3 * kBlock), load(p + 4 * kBlock)}};
+    }
+}
+
+/// A += v f^T
+inline void add_outer(Matrix& A, const Vector& v, const Vector& f) {
+    const Lanes left[3] = {v.x, v.y, v.z}, right[3] = {f.x, f.y, f.z};
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) A.m[i][j] = A.m[i][j] + left[i] * right[j];
+}
+
+[[gnu::noinline]] void add_hex_fibres(const HexShared& shared, const Matrix& Fb, HexPointState& s) {
+    for (std::size_t n = 0; n < shared.families; ++n) {
+        const Vector a = Fb * shared.fibre[n].f;
+        s.fibre[n] = fibre_term(shared.fibre[n].k, shared.fibre[n].b, a);
+        s.e.W = s.e.W + s.fibre[n].W;
+        s.p = s.p + Lanes(1.0 / 3) * dot(s.fibre[n].traction, a);
+        add_outer(s.P, s.fibre[n].traction, shared.fibre[n].f);
+    }
 }
 
 /// Fb = U diag(s) V^T, the law, P and p.
@@ -125,6 +157,7 @@ inline void respond(const double* parameter, std::size_t parameters, const HexSh
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j)
             s.P.m[i][j] = s.U.m[i][0] * s.e.first[0] * s.V.m[j][0] + s.U.m[i][1] * s.e.first[1] * s.V.m[j][1] + s.U.m[i][2] * s.e.first[2] * s.V.m[j][2];
+    if (shared.families > 0) add_hex_fibres(shared, Fb, s);
 }
 
 /// c P - p l'(J) C
@@ -136,7 +169,7 @@ inline Matrix point_force(const HexPointState& s) {
 }
 
 /// d2W : X
-inline Matrix second_derivative(const HexPointState& s, const Matrix& dF) {
+inline Matrix second_derivative(const HexPointState& s, const HexShared& shared, const Matrix& dF) {
     const Lanes half(0.5);
     const Matrix X = transposed_product(s.U, dF) * s.V;
     Matrix Y;
@@ -151,6 +184,11 @@ inline Matrix second_derivative(const HexPointState& s, const Matrix& dF) {
     Matrix P;
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j) P.m[i][j] = UY.m[i][0] * s.V.m[j][0] + UY.m[i][1] * s.V.m[j][1] + UY.m[i][2] * s.V.m[j][2];
+    for (std::size_t n = 0; n < shared.families; ++n) {
+        const Lanes* M = s.fibre[n].M;
+        const Vector& f = shared.fibre[n].f;
+        add_outer(P, Matrix{{{M[0], M[3], M[5]}, {M[3], M[1], M[4]}, {M[5], M[4], M[2]}}} * (dF * f), f);
+    }
     return P;
 }
 
@@ -175,7 +213,7 @@ inline Lanes double_dot(const Matrix& A, const Matrix& B) {
         Matrix dFb;
         for (int i = 0; i < 3; ++i)
             for (int j = 0; j < 3; ++j) dFb.m[i][j] = s.c * (db * s.F.m[i][j] + (i == k ? g[j] : zero));
-        const Matrix dP = second_derivative(s, dFb);
+        const Matrix dP = second_derivative(s, shared, dFb);
         Lanes dp = third * s.c * double_dot(dP, s.F);
         Lanes pull = dp * s.l.first;
         if (exact) {

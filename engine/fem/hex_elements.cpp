@@ -113,7 +113,11 @@ public:
           parameters_(make_hyper_parameters(*def.group, materials)),
           kernel_(hex8_hyper_kernels(def.isa).elements[std::size_t(parameters_.law)]),
           kernels_(hex8_kernels(def.isa)) {
-        if (kernel_ == nullptr) throw Error(ErrorCode::unsupported, "material", "this law has no hexahedra; use tetrahedra, or another law");
+        const Material& first = materials.of(std::size_t(def.group->element[0]));
+        if (kernel_ == nullptr) {
+            throw Error(ErrorCode::unsupported, "material", "Costa's law has no hexahedra; use tetrahedra, or for fibres in hexahedra another hyperelastic law with a fibre_stiffness_pa");
+        }
+        def_.project = def.project && is_regularized(first);
         const std::size_t lanes = rest_.blocks() * kBlock;
         inner_.resize(lanes * kHexInner);
         for (std::size_t block = 0; block < rest_.blocks(); ++block) place_.push_back(-1 - std::int64_t(block));
@@ -129,6 +133,8 @@ public:
         pass.point = points_.data();
         pass.parameter = parameters_.field.data();
         pass.parameters = parameters_.count;
+        pass.fibre = parameters_.fibre.data();
+        pass.families = parameters_.families;
         pass.position = position;
         pass.project = def_.project;
         pass.quaternion = quaternion;

@@ -27,7 +27,7 @@ void apply_law(const double* parameter, std::size_t parameters, Principal& e) {
     if constexpr (law == Law::neo_hookean) with_inversion(k, e, [&](Principal& x) { neo_hookean(p, x); });
     if constexpr (law == Law::mooney_rivlin) with_inversion(k, e, [&](Principal& x) { mooney_rivlin(p, x); });
     if constexpr (law == Law::arruda_boyce) with_inversion(k, e, [&](Principal& x) { arruda_boyce(p, x); });
-    if constexpr (law == Law::veronda_westman) with_inversion(k, e, [&](Principal& x) { veronda_westman(p, x); });
+    if constexpr (law == Law::veronda_westman) with_inversion(k, e, [&](Principal& x) { veronda_westman(p, x); }, kExponentialFloor);
     if constexpr (law == Law::ogden) {
         with_inversion(k, e, [&](Principal& x) {
             ogden_volume(field(1), x);

@@ -3,13 +3,19 @@
 
 namespace supple::fem {
 
-/// Hyperelastic laws with a principal-stretch form (material/laws/<law>.h).
-enum class Law { st_venant_kirchhoff, neo_hookean, stable_neo_hookean, mooney_rivlin, arruda_boyce, veronda_westman, ogden };
-inline constexpr std::size_t kLaws = 7;
+/// Hyperelastic laws (material/laws/<law>.h): in principal stretches, but for the last, a tensor law in the material frame of each element.
+enum class Law { st_venant_kirchhoff, neo_hookean, stable_neo_hookean, mooney_rivlin, arruda_boyce, veronda_westman, ogden, costa };
+inline constexpr std::size_t kLaws = 8;
+constexpr bool is_tensor_law(Law law) { return law == Law::costa; }
 
 /// Numbers kept of an element's tangent: U and V of F = U diag(s) V^T, the 3x3 of W_ij (00 11 22 01 12 20), and of each pair half the sum
 /// and half the difference of its two quotients.
 inline constexpr std::size_t kTangent = 30;
+/// The same of a tensor law: the upper triangle of dP/dF, row by row, its second indices in the material frame.
+inline constexpr std::size_t kTensorTangent = 45;
+/// Parameters of one family of fibres: stiffness k, exponent b, direction f. Numbers kept of its tangent: M = 2 W4 I + 4 W44 a a^T, a = F f.
+inline constexpr std::size_t kFibre = 5;
+inline constexpr std::size_t kFibreTangent = 6;
 
 /// An element's stiffness: its ten 3x3 blocks (a, b >= a), (0,0) (0,1) .. (3,3), each in columns [x y z 0].
 inline constexpr std::size_t kElementBlocks = 120;
@@ -21,11 +27,15 @@ struct Tet4HyperPass {
     const double* parameter = nullptr;      ///< [block][parameter][lane]: the law's, after the stiffness k of its inversion
     std::size_t parameters = 0;             ///< per element
     const double* position = nullptr;
-    bool project = true;                    ///< tangent made positive semidefinite: every eigenvalue of d2W/dF2 below zero is set to zero
+    const double* fibre = nullptr;          ///< [block][family][kFibre][lane]
+    std::size_t families = 0;               ///< of fibres, 0 to 2
+    bool project = true;                    ///< tangent made positive semidefinite: every eigenvalue of d2W/dF2 below zero is set to zero (tensor
+                                            ///< laws: a sufficient bound, material/laws/tensor.h)
 
     double* quaternion = nullptr;           ///< [block][w x y z][lane]: warm start in, rotation out
     double* corner_force = nullptr;         ///< as in Tet4Pass
-    double* tangent = nullptr;              ///< out [block][kTangent][lane]
+    double* tangent = nullptr;              ///< out [block][kTangent or kTensorTangent][lane]
+    double* fibre_tangent = nullptr;        ///< out [block][family][kFibreTangent][lane], needs tangent
     float* block_f = nullptr;               ///< out [element][kElementBlocks], needs tangent
     double* block_d = nullptr;
     double* energy = nullptr;
@@ -37,6 +47,11 @@ struct Tet4HyperProduct {
     const double* gradient = nullptr;
     const double* volume = nullptr;
     const double* tangent = nullptr;
+    const double* parameter = nullptr;      ///< tensor laws: the last nine hold the material frame
+    std::size_t parameters = 0;
+    const double* fibre = nullptr;
+    const double* fibre_tangent = nullptr;
+    std::size_t families = 0;
     const double* field = nullptr;
     double* corner_force = nullptr;
 };
@@ -58,6 +73,7 @@ struct BlockAssembly {
 struct Tet4HyperKernels {
     void (*elements[kLaws])(const Tet4HyperPass& pass, std::size_t begin, std::size_t end);
     void (*product)(const Tet4HyperProduct& pass, std::size_t begin, std::size_t end);
+    void (*product_tensor)(const Tet4HyperProduct& pass, std::size_t begin, std::size_t end);
     void (*assemble_f)(const BlockAssembly<float>& pass, std::size_t begin, std::size_t end);
     void (*assemble_d)(const BlockAssembly<double>& pass, std::size_t begin, std::size_t end);
 };

@@ -8,9 +8,13 @@
 ///          K~_ii = H_ii ga_i gb_i + sum_{j != i} p_ij ga_j gb_j,     K~_ij = H_ij ga_i gb_j + q_ij ga_j gb_i,
 ///      H = W_ij, p = (symmetric + antisymmetric)/2, q = (symmetric - antisymmetric)/2: the eigen-system of d2W/dF2 written out
 ///      (Smith, De Goes, Kim, Analytic Eigensystems for Isotropic Distortion Energies, 2019).
-#include "supple/fem/tet4_hyper.h"
+/// A tensor law takes F Q0 instead of the stretches in step 2, Q0 its material frame, and gives P and the nine by nine of dP/dF (laws/tensor_inversion.h).
+/// Families of fibres add their terms to any law (laws/fibres.h).
 #include "supple/fem/principal_laws.h"
-#include "supple/fem/tet4_lanes.h"
+#include "supple/fem/tet4_hyper_tangents.h"
+#include "supple/material/laws/costa.h"
+#include "supple/material/laws/fibres.h"
+#include "supple/material/laws/tensor_inversion.h"
 #include "supple/math/lane_polar.h"
 #include "supple/math/lane_svd.h"
 
@@ -18,182 +22,158 @@ namespace supple::fem {
 inline namespace SUPPLE_ISA {
 namespace {
 
-/// What a tangent needs, loaded or just made.
-struct Tangent {
-    Matrix U, V;
-    Lanes H[3][3];
-    Lanes p[3][3], q[3][3];  ///< symmetric in their indices; the diagonals are not read
+/// Step 1, of the elements in the lanes from `at` on.
+struct Kinematics {
+    Vector g[3];  ///< rest gradients
+    Lanes volume;
+    Matrix F, U, V;
+    Lanes s[3];
 };
 
-inline Tangent make_tangent(const Matrix& U, const Matrix& V, const Principal& e) {
-    const Lanes half(0.5);
-    Tangent t{U, V, {}, {}, {}};
+[[gnu::noinline]] Kinematics kinematics(const Tet4HyperPass& pass, std::size_t at) {
+    const std::size_t block = at / kBlock, lane = at % kBlock;
+    Kinematics k;
+    Vector d[3];
+    corner_differences(pass.position, pass.vertex + block * 4 * kBlock + lane, d);
+    load_gradients(pass.gradient + block * 9 * kBlock + lane, k.g);
+    k.volume = load(pass.volume + at);
+    k.F = gradient(d, k.g);
+
+    double* quaternion = pass.quaternion + block * 4 * kBlock + lane;
+    Quat<Lanes> turn{load(quaternion), load(quaternion + kBlock), load(quaternion + 2 * kBlock), load(quaternion + 3 * kBlock)};
+    const Matrix R = polar_rotation(k.F, turn);
+    store(quaternion, turn.w);
+    store(quaternion + kBlock, turn.x);
+    store(quaternion + 2 * kBlock, turn.y);
+    store(quaternion + 3 * kBlock, turn.z);
+    Matrix S = transposed_product(R, k.F);
     for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j) t.H[i][j] = e.second[i][j];
-    for (int k = 0; k < 3; ++k) {
-        const int i = kPairI[k], j = kPairJ[k];
-        t.p[i][j] = t.p[j][i] = half * (e.symmetric[k] + e.antisymmetric[k]);
-        t.q[i][j] = t.q[j][i] = half * (e.symmetric[k] - e.antisymmetric[k]);
-    }
-    return t;
+        for (int j = 0; j < i; ++j) S.m[i][j] = S.m[j][i] = Lanes(0.5) * (S.m[i][j] + S.m[j][i]);
+    jacobi_eigen(S, k.V);
+    k.U = R * k.V;
+    for (int i = 0; i < 3; ++i) k.s[i] = S.m[i][i];
+    return k;
 }
 
-/// Visits the numbers of a tangent with their place in the stored field.
-template <class T, class Visit>
-inline void for_each_number(T& t, Visit&& visit) {
-    constexpr int kI[6] = {0, 1, 2, 0, 1, 2}, kJ[6] = {0, 1, 2, 1, 2, 0};
-    for (int i = 0; i < 9; ++i) visit(i, t.U.m[i / 3][i % 3]);
-    for (int i = 0; i < 9; ++i) visit(9 + i, t.V.m[i / 3][i % 3]);
-    for (int i = 0; i < 6; ++i) visit(18 + i, t.H[kI[i]][kJ[i]]);
-    for (int k = 0; k < 3; ++k) visit(24 + k, t.p[kPairI[k]][kPairJ[k]]);
-    for (int k = 0; k < 3; ++k) visit(27 + k, t.q[kPairI[k]][kPairJ[k]]);
-}
+/// What every law says in the end.
+struct Response {
+    Matrix P;
+    Lanes W;
+};
 
-inline Matrix rotated(const Matrix& U, const Matrix& X) {  // U X U^T
-    const Matrix T = U * X;
-    Matrix K;
-    for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j) K.m[i][j] = T.m[i][0] * U.m[j][0] + T.m[i][1] * U.m[j][1] + T.m[i][2] * U.m[j][2];
-    return K;
-}
-
-/// Step 3, stiffness: the ten blocks of the element, times its volume.
-template <class Real>
-inline void store_blocks(const Tangent& t, const Vector g[3], Lanes volume, Real* out) {
-    Lanes h[3][3];  // g~
-    for (int a = 0; a < 3; ++a) {
-        const Lanes v[3] = {g[a].x, g[a].y, g[a].z};
-        for (int i = 0; i < 3; ++i) h[a][i] = t.V.m[0][i] * v[0] + t.V.m[1][i] * v[1] + t.V.m[2][i] * v[2];
-    }
-    Matrix K[4][4];  // a <= b
-    for (int a = 0; a < 3; ++a) {
-        for (int b = a; b < 3; ++b) {
-            Matrix X;
-            for (int i = 0; i < 3; ++i) {
-                Lanes diagonal = t.H[i][i] * h[a][i] * h[b][i];
-                for (int j = 0; j < 3; ++j) {
-                    if (j == i) continue;
-                    diagonal = diagonal + t.p[i][j] * h[a][j] * h[b][j];
-                    X.m[i][j] = volume * (t.H[i][j] * h[a][i] * h[b][j] + t.q[i][j] * h[a][j] * h[b][i]);
-                }
-                X.m[i][i] = volume * diagonal;
-            }
-            K[a + 1][b + 1] = rotated(t.U, X);
-        }
-    }
-    const auto entry = [&](int a, int b, int i, int j) { return a <= b ? K[a][b].m[i][j] : K[b][a].m[j][i]; };
-    for (int b = 1; b < 4; ++b)
+/// Adds the families of fibres to P and W, and stores their tangents where asked.
+[[gnu::noinline]] void add_fibres(const Tet4HyperPass& pass, std::size_t at, const Matrix& F, Response& r) {
+    const std::size_t block = at / kBlock, lane = at % kBlock;
+    for (std::size_t family = 0; family < pass.families; ++family) {
+        const double* p = pass.fibre + (block * pass.families + family) * kFibre * kBlock + lane;
+        const Vector f{load(p + 2 * kBlock), load(p + 3 * kBlock), load(p + 4 * kBlock)};
+        const FibreTerm term = fibre_term(load(p), load(p + kBlock), F * f);
+        r.W = r.W + term.W;
+        const Lanes t[3] = {term.traction.x, term.traction.y, term.traction.z}, direction[3] = {f.x, f.y, f.z};
         for (int i = 0; i < 3; ++i)
-            for (int j = 0; j < 3; ++j) K[0][b].m[i][j] = Lanes(0.0) - (entry(1, b, i, j) + entry(2, b, i, j) + entry(3, b, i, j));
-    for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j) K[0][0].m[i][j] = Lanes(0.0) - (K[0][1].m[i][j] + K[0][2].m[i][j] + K[0][3].m[i][j]);
-    int place = 0;
-    for (int a = 0; a < 4; ++a) {
-        for (int b = a; b < 4; ++b, ++place) {
-            alignas(64) double s[9][kLanes];
-            for (int i = 0; i < 9; ++i) store(s[i], K[a][b].m[i / 3][i % 3]);
-            for (int lane = 0; lane < kLanes; ++lane) {
-                Real* to = out + std::size_t(lane) * kElementBlocks + std::size_t(place) * 12;
-                for (int c = 0; c < 3; ++c) {
-                    for (int i = 0; i < 3; ++i) to[4 * c + i] = Real(s[3 * i + c][lane]);
-                    to[4 * c + 3] = Real(0);
-                }
-            }
-        }
+            for (int j = 0; j < 3; ++j) r.P.m[i][j] = r.P.m[i][j] + t[i] * direction[j];
+        if (pass.tangent == nullptr) continue;
+        double* M = pass.fibre_tangent + (block * pass.families + family) * kFibreTangent * kBlock + lane;
+        for (int n = 0; n < int(kFibreTangent); ++n) store(M + std::size_t(n) * kBlock, term.M[n]);
     }
+}
+
+/// Forces, energy and stress. sigma = P F^T / J; a flat element keeps its sign and stays finite.
+[[gnu::noinline]] void store_response(const Tet4HyperPass& pass, std::size_t at, const Kinematics& k, const Response& r) {
+    const std::size_t block = at / kBlock, lane = at % kBlock;
+    if (pass.corner_force != nullptr) {
+        Vector f[4];
+        corner_forces(r.P, k.g, k.volume, f);
+        store_corners(pass.corner_force + at * 16, f, Lanes(0.0), Lanes(0.0));
+    }
+    if (pass.energy != nullptr) store(pass.energy + at, k.volume * r.W);
+    if (pass.stress == nullptr) return;
+    const Lanes J = k.s[0] * k.s[1] * k.s[2], tiny(1e-12);
+    const Lanes half_inv_J = Lanes(0.5) / choose(magnitude(J) < tiny, choose(J < Lanes(0.0), Lanes(0.0) - tiny, tiny), J);
+    double* stress = pass.stress + block * 6 * kBlock + lane;
+    for (int c = 0; c < 6; ++c) {
+        const int i = kSymI[c], j = kSymJ[c];
+        Lanes sum(0.0);
+        for (int m = 0; m < 3; ++m) sum = sum + r.P.m[i][m] * k.F.m[j][m] + r.P.m[j][m] * k.F.m[i][m];
+        store(stress + std::size_t(c) * kBlock, half_inv_J * sum);
+    }
+}
+
+/// Stores a tangent, and the blocks of the matrix made from it.
+template <class Tangent>
+void store_tangent(const Tet4HyperPass& pass, std::size_t at, const Tangent& t, const Kinematics& k) {
+    const std::size_t block = at / kBlock, lane = at % kBlock;
+    double* tangent = pass.tangent + block * Tangent::kNumbers * kBlock + lane;
+    for_each_number(t, [&](int i, const Lanes& value) { store(tangent + std::size_t(i) * kBlock, value); });
+    if (pass.block_f == nullptr && pass.block_d == nullptr) return;
+    ElementStiffness stiffness;
+    inner_blocks(t, k.g, k.volume, stiffness.K);
+    for (std::size_t family = 0; family < pass.families; ++family) {
+        add_fibre_blocks(pass.fibre + (block * pass.families + family) * kFibre * kBlock + lane,
+                         pass.fibre_tangent + (block * pass.families + family) * kFibreTangent * kBlock + lane, k.g, k.volume, stiffness.K);
+    }
+    outer_blocks(stiffness.K);
+    if (pass.block_f != nullptr) store_blocks(stiffness, pass.block_f + at * kElementBlocks);
+    if (pass.block_d != nullptr) store_blocks(stiffness, pass.block_d + at * kElementBlocks);
+}
+
+[[gnu::noinline]] void finish_principal(const Tet4HyperPass& pass, std::size_t at, const Kinematics& k, Principal& e) {
+    Response r;
+    r.W = e.W;
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j)
+            r.P.m[i][j] = k.U.m[i][0] * e.first[0] * k.V.m[j][0] + k.U.m[i][1] * e.first[1] * k.V.m[j][1] + k.U.m[i][2] * e.first[2] * k.V.m[j][2];
+    if (pass.families > 0) add_fibres(pass, at, k.F, r);
+    store_response(pass, at, k, r);
+    if (pass.tangent == nullptr) return;
+    if (pass.project) project(e);
+    store_tangent(pass, at, make_tangent(k.U, k.V, e), k);
 }
 
 template <Law law>
 void elements(const Tet4HyperPass& pass, std::size_t begin, std::size_t end) {
     for (std::size_t at = begin * kBlock; at < end * kBlock; at += kLanes) {
-        const std::size_t block = at / kBlock, lane = at % kBlock;
-        Vector d[3], g[3];
-        corner_differences(pass.position, pass.vertex + block * 4 * kBlock + lane, d);
-        load_gradients(pass.gradient + block * 9 * kBlock + lane, g);
-        const Lanes volume = load(pass.volume + at);
-        double* quaternion = pass.quaternion + block * 4 * kBlock + lane;
-
-        const Matrix F = gradient(d, g);
-        Quat<Lanes> turn{load(quaternion), load(quaternion + kBlock), load(quaternion + 2 * kBlock), load(quaternion + 3 * kBlock)};
-        const Matrix R = polar_rotation(F, turn);
-        store(quaternion, turn.w);
-        store(quaternion + kBlock, turn.x);
-        store(quaternion + 2 * kBlock, turn.y);
-        store(quaternion + 3 * kBlock, turn.z);
-        Matrix S = transposed_product(R, F), V;
-        for (int i = 0; i < 3; ++i)
-            for (int j = 0; j < i; ++j) S.m[i][j] = S.m[j][i] = Lanes(0.5) * (S.m[i][j] + S.m[j][i]);
-        jacobi_eigen(S, V);
-        const Matrix U = R * V;
-
+        const Kinematics k = kinematics(pass, at);
         Principal e;
-        for (int i = 0; i < 3; ++i) e.s[i] = S.m[i][i];
-        apply_law<law>(pass.parameter + block * pass.parameters * kBlock + lane, pass.parameters, e);
-
-        if (pass.corner_force != nullptr) {
-            Matrix P;
-            for (int i = 0; i < 3; ++i)
-                for (int j = 0; j < 3; ++j)
-                    P.m[i][j] = U.m[i][0] * e.first[0] * V.m[j][0] + U.m[i][1] * e.first[1] * V.m[j][1] + U.m[i][2] * e.first[2] * V.m[j][2];
-            Vector f[4];
-            corner_forces(P, g, volume, f);
-            store_corners(pass.corner_force + at * 16, f, Lanes(0.0), Lanes(0.0));
-        }
-        if (pass.energy != nullptr) store(pass.energy + at, volume * e.W);
-        if (pass.stress != nullptr) {
-            // sigma_i = W_i s_i / J; a flat element keeps its sign and stays finite
-            const Lanes J = e.s[0] * e.s[1] * e.s[2], tiny(1e-12);
-            const Lanes inv_J = Lanes(1.0) / choose(magnitude(J) < tiny, choose(J < Lanes(0.0), Lanes(0.0) - tiny, tiny), J);
-            Matrix sigma;
-            for (int i = 0; i < 3; ++i)
-                for (int j = 0; j < 3; ++j) sigma.m[i][j] = i == j ? e.first[i] * e.s[i] * inv_J : Lanes(0.0);
-            sigma = rotated(U, sigma);
-            constexpr int kRow[6] = {0, 1, 2, 0, 1, 2}, kColumn[6] = {0, 1, 2, 1, 2, 0};
-            double* stress = pass.stress + block * 6 * kBlock + lane;
-            for (int c = 0; c < 6; ++c) store(stress + std::size_t(c) * kBlock, sigma.m[kRow[c]][kColumn[c]]);
-        }
-        if (pass.tangent != nullptr) {
-            if (pass.project) project(e);
-            const Tangent t = make_tangent(U, V, e);
-            double* tangent = pass.tangent + block * kTangent * kBlock + lane;
-            for_each_number(t, [&](int i, const Lanes& value) { store(tangent + std::size_t(i) * kBlock, value); });
-            if (pass.block_f != nullptr) store_blocks(t, g, volume, pass.block_f + at * kElementBlocks);
-            if (pass.block_d != nullptr) store_blocks(t, g, volume, pass.block_d + at * kElementBlocks);
-        }
+        for (int i = 0; i < 3; ++i) e.s[i] = k.s[i];
+        apply_law<law>(pass.parameter + at / kBlock * pass.parameters * kBlock + at % kBlock, pass.parameters, e);
+        finish_principal(pass, at, k, e);
     }
 }
 
-inline void product(const Tet4HyperProduct& pass, std::size_t begin, std::size_t end) {
+template <>
+void elements<Law::costa>(const Tet4HyperPass& pass, std::size_t begin, std::size_t end) {
+    for (std::size_t at = begin * kBlock; at < end * kBlock; at += kLanes) {
+        Kinematics k = kinematics(pass, at);
+        const double* parameter = pass.parameter + at / kBlock * pass.parameters * kBlock + at % kBlock;
+        const Matrix Q0 = load_frame(parameter, pass.parameters);
+        Lanes p[8];
+        for (int i = 0; i < 8; ++i) p[i] = load(parameter + std::size_t(i + 1) * kBlock);
+        const TensorResponse t = tensor_response([&](const Matrix& F) { return costa(p, F); }, load(parameter), k.U, transposed_product(Q0, k.V), k.s,
+                                                 k.F * Q0, pass.tangent != nullptr, pass.project);
+        Response r{{}, t.W};
+        for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < 3; ++j) r.P.m[i][j] = t.P.m[i][0] * Q0.m[j][0] + t.P.m[i][1] * Q0.m[j][1] + t.P.m[i][2] * Q0.m[j][2];
+        if (pass.families > 0) add_fibres(pass, at, k.F, r);
+        store_response(pass, at, k, r);
+        if (pass.tangent != nullptr) store_tangent(pass, at, TensorTangent(t.C, Q0), k);
+    }
+}
+
+template <class Tangent>
+void product(const Tet4HyperProduct& pass, std::size_t begin, std::size_t end) {
     for (std::size_t at = begin * kBlock; at < end * kBlock; at += kLanes) {
         const std::size_t block = at / kBlock, lane = at % kBlock;
         Vector d[3], g[3];
         corner_differences(pass.field, pass.vertex + block * 4 * kBlock + lane, d);
         load_gradients(pass.gradient + block * 9 * kBlock + lane, g);
-        Tangent t;
-        const double* tangent = pass.tangent + block * kTangent * kBlock + lane;
-        for_each_number(t, [&](int i, Lanes& value) { value = load(tangent + std::size_t(i) * kBlock); });
-        for (int i = 0; i < 3; ++i) {
-            for (int j = 0; j < i; ++j) {
-                // stored once per pair: (0,1) (1,2) (2,0)
-                const bool stored = i == 2 && j == 0;
-                t.H[stored ? j : i][stored ? i : j] = t.H[stored ? i : j][stored ? j : i];
-                t.p[stored ? j : i][stored ? i : j] = t.p[stored ? i : j][stored ? j : i];
-                t.q[stored ? j : i][stored ? i : j] = t.q[stored ? i : j][stored ? j : i];
-            }
+        const Matrix dF = gradient(d, g);
+        const Matrix dP = load_tangent<Tangent>(pass, at).apply(dF);
+        Matrix P = dP;
+        for (std::size_t family = 0; family < pass.families; ++family) {
+            add_fibre_product(pass.fibre + (block * pass.families + family) * kFibre * kBlock + lane,
+                              pass.fibre_tangent + (block * pass.families + family) * kFibreTangent * kBlock + lane, dF, P);
         }
-        // dF~ = U^T dF V;  dP~_ii = sum_j H_ij dF~_jj,  dP~_ij = p dF~_ij + q dF~_ji;  dP = U dP~ V^T
-        const Matrix X = transposed_product(t.U, gradient(d, g)) * t.V;
-        Matrix Y;
-        for (int i = 0; i < 3; ++i) {
-            Y.m[i][i] = t.H[i][0] * X.m[0][0] + t.H[i][1] * X.m[1][1] + t.H[i][2] * X.m[2][2];
-            for (int j = 0; j < 3; ++j) {
-                if (j != i) Y.m[i][j] = t.p[i][j] * X.m[i][j] + t.q[i][j] * X.m[j][i];
-            }
-        }
-        const Matrix UY = t.U * Y;
-        Matrix P;
-        for (int i = 0; i < 3; ++i)
-            for (int j = 0; j < 3; ++j) P.m[i][j] = UY.m[i][0] * t.V.m[j][0] + UY.m[i][1] * t.V.m[j][1] + UY.m[i][2] * t.V.m[j][2];
         Vector f[4];
         corner_forces(P, g, Lanes(0.0) - load(pass.volume + at), f);
         store_corners(pass.corner_force + at * 16, f, Lanes(0.0), Lanes(0.0));
@@ -242,8 +222,9 @@ void assemble(const BlockAssembly<Real>& pass, std::size_t begin, std::size_t en
 
 inline constexpr Tet4HyperKernels kHyperKernels{
     {elements<Law::st_venant_kirchhoff>, elements<Law::neo_hookean>, elements<Law::stable_neo_hookean>, elements<Law::mooney_rivlin>,
-     elements<Law::arruda_boyce>, elements<Law::veronda_westman>, elements<Law::ogden>},
-    product,
+     elements<Law::arruda_boyce>, elements<Law::veronda_westman>, elements<Law::ogden>, elements<Law::costa>},
+    product<PrincipalTangent>,
+    product<TensorTangent>,
     assemble<float>,
     assemble<double>};
 

@@ -42,7 +42,9 @@ struct Scene {
 ///   camera   {eye_m, target_m, fov_deg}
 ///   bodies   [{name, mesh: "file" or box: {min_m, max_m, cells: [nx, ny, nz], elements: "tets"}, scale, translation_m, velocity_m_s,
 ///   density_kg_m3,
-///             material {law, rotation, young_pa, poisson}, regions [{<selection>, material {young_pa, poisson}, stiffness_factor}],
+///             material {law, rotation, young_pa, poisson}, or of a hyperelastic law {law, its parameters, fibre, sheet, fibre_stiffness_pa,
+///             fibre_exponent, sheet_stiffness_pa, sheet_exponent, matrix_regularization},
+///             regions [{<selection>, material, stiffness_factor, density_kg_m3}],
 ///             fixed [{<selection>, axes}], prescribed [{<selection>, axes, displacement_m | velocity_m_s | affine, times_s}],
 ///             loads [{<selection>, force_n | force_per_vertex_n | traction_pa | pressure_pa (follower: true) | moment_nm
 ///                    (axis: [x, y, z], follower: true) | body_force_n_m3, times_s}],
@@ -55,8 +57,9 @@ struct Scene {
 /// Loads are those of world/loads.h: traction_pa (a vector), pressure_pa and moment_nm also take "triangles": [numbers of boundary triangles from 0] in
 /// place of a selection. pressure_pa and moment_nm are numbers; a positive pressure pushes into the body.
 ///
-/// young_pa and poisson may be lists with one number per element, in the order of the mesh (tets, then hexes). Regions are applied in their
-/// order; stiffness_factor multiplies the modulus that the element has by then.
+/// The numbers of a material may be lists with one number per element, in the order of the mesh (tets, then hexes), but for b and terms; fibre and
+/// sheet are one direction, or a list of one per element. Regions are applied in their order: `material` takes the place of the body's, keeping what it
+/// does not name where the law is the same; stiffness factors multiply all moduli, each other's too.
 ///
 /// times_s: without it the value is constant. With n times and a list of n values the value is linear between them, constant before the
 /// first and after the last. With two times [t0, t1] and a single value it ramps from zero (for `affine`: from the identity) at t0 to the

@@ -41,7 +41,7 @@ inline constexpr std::array<std::string_view, 6> kSelectionKeys = {"box", "spher
 /// These and the given ones.
 std::vector<std::string_view> with_selection_keys(std::initializer_list<std::string_view> keys);
 
-/// Material of the body and of its regions: def.material, young_pa_per_element, poisson_per_element.
+/// Material of the body and of its regions: def.material, its arrays per element, def.regions.
 void read_materials(const JsonNode& body, BodyDef& def);
 
 }  // namespace supple::io

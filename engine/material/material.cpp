@@ -1,5 +1,7 @@
 #include "supple/material/material.h"
 
+#include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 
 #include "supple/base/error.h"
@@ -76,7 +78,76 @@ Lame small(const Ogden& m, const std::string& where) {
     return from_bulk(sum / 2, m.bulk_pa, where);
 }
 
+/// Voigt's averages: K = bulk + a sum(b_ii)/9, mu = (sum C_ii - sum C_ij + 3 sum G_ij)/15.
+Lame small(const Costa& m, const std::string& where) {
+    require_above(m.a_pa, 0, where + ".a_pa", "it scales the exponential; the shear moduli are a_pa b/2");
+    require_above(m.bulk_pa, 0, where + ".bulk_pa", "it acts as Lame's lambda; soft tissue has 10 to 1000 times its shear modulus");
+    for (std::size_t i = 0; i < 6; ++i) require_above(m.b[i], 0, where + ".b[" + std::to_string(i) + "]", "the order is ff fs ss fn sn nn; tissue has 1 to 50");
+    const double axes = m.b[0] + m.b[2] + m.b[5], shears = m.b[1] + m.b[3] + m.b[4];
+    return from_bulk(m.a_pa * (axes + 1.5 * shears) / 15, m.bulk_pa + m.a_pa * axes / 9, where);
+}
+
+void check_family(const std::vector<Vec3>& directions, double stiffness, double exponent, bool directions_have_another_use, std::size_t elements,
+                  const std::string& where, const std::string& name) {
+    const auto fail = [&](const std::string& key, const std::string& message) { throw Error(ErrorCode::invalid_argument, where + "." + key, message); };
+    if (!(std::isfinite(stiffness) && stiffness >= 0)) fail(name + "_stiffness_pa", to_text(stiffness) + " must be finite and not below 0; 0 means no such fibres");
+    if (stiffness > 0 && directions.empty()) fail(name + "_stiffness_pa", "is " + to_text(stiffness) + " Pa but there is no \"" + name + "\" direction; give one, or one per element");
+    if (stiffness == 0 && !directions.empty() && !directions_have_another_use) {
+        fail(name, "has directions but " + name + "_stiffness_pa is 0, so they change nothing; give the stiffness or remove them");
+    }
+    if (stiffness > 0) require_above(exponent, 0, where + "." + name + "_exponent", "1 to 50 is usual");
+    if (directions.size() > 1 && directions.size() != elements) {
+        fail(name, "has " + std::to_string(directions.size()) + " directions, the body has " + std::to_string(elements) + " elements; give one for all, or one each");
+    }
+    for (std::size_t i = 0; i < directions.size(); ++i) {
+        const double length = directions[i].norm();
+        if (!(std::isfinite(length) && length > 1e-100)) {
+            fail(directions.size() == 1 ? name : name + "[" + std::to_string(i) + "]", "is not a direction; give three finite numbers that are not all 0");
+        }
+    }
+}
+
+/// Costa's frame needs a sheet direction that is not along the fibre.
+void check_frame(const Fibres& m, const std::string& where) {
+    if (m.fibre.empty() && !m.sheet.empty()) throw Error(ErrorCode::invalid_argument, where + ".sheet", "is given without a fibre direction; give both, or only the fibre");
+    for (std::size_t i = 0; i < std::max(m.fibre.size(), m.sheet.size()); ++i) {
+        if (m.fibre.empty() || m.sheet.empty()) break;
+        const Vec3& f = m.fibre[m.fibre.size() == 1 ? 0 : i];
+        const Vec3& s = m.sheet[m.sheet.size() == 1 ? 0 : i];
+        if (f.cross(s).norm() > 1e-6 * f.norm() * s.norm()) continue;
+        throw Error(ErrorCode::invalid_argument, where + ".sheet", "lies along the fibre (direction " + std::to_string(i) + "); the frame [f s n] needs two directions");
+    }
+}
+
 }  // namespace
+
+const Fibres* fibres_of(const Material& material) {
+    return std::visit(
+        [](const auto& m) -> const Fibres* {
+            if constexpr (requires { m.fibres; }) return &m.fibres;
+            return nullptr;
+        },
+        material);
+}
+
+bool is_regularized(const Material& material) {
+    return std::visit(
+        [](const auto& m) {
+            if constexpr (requires { m.matrix_regularization; }) return m.matrix_regularization;
+            return true;
+        },
+        material);
+}
+
+void check_material(const Material& material, std::size_t elements, const std::string& where) {
+    small_strain(material, where);
+    const Fibres* f = fibres_of(material);
+    if (f == nullptr) return;
+    const bool frame = std::holds_alternative<Costa>(material);
+    check_family(f->fibre, f->fibre_stiffness_pa, f->fibre_exponent, frame, elements, where, "fibre");
+    check_family(f->sheet, f->sheet_stiffness_pa, f->sheet_exponent, frame, elements, where, "sheet");
+    if (frame) check_frame(*f, where);
+}
 
 bool is_hyperelastic(const Material& material) { return !std::holds_alternative<Corotational>(material) && !std::holds_alternative<Linear>(material); }
 

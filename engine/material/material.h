@@ -1,8 +1,12 @@
 #pragma once
+#include <array>
 #include <limits>
+#include <span>
 #include <string>
 #include <variant>
 #include <vector>
+
+#include "supple/math/types.h"
 
 namespace supple {
 
@@ -65,23 +69,43 @@ enum class Tangent {
 };
 
 // -- hyperelastic laws; energies, sources and inversion: material/laws/<law>.h ---------------------------
+// Each ends with `fibres` and `matrix_regularization` (true: the tangent is made positive semidefinite, so that conjugate gradients cannot fail on it;
+// false: the exact tangent, which may be indefinite under compression).
+
+/// None, one or two families of fibres: isotropic, transversely isotropic, orthotropic. Each adds k/(2b) (exp(b (I4 - 1)^2) - 1) where it is stretched, I4 = f.C f
+/// of the full C (material/laws/fibres.h). Costa's law takes its frame from the same directions: f along `fibre` (default x), s along `sheet` made
+/// orthogonal to f (default y, or z where the fibre is y), n = f x s.
+struct Fibres {
+    std::vector<Vec3> fibre{};        ///< directions at rest, any length above 0: none, one for the body, or one per element in mesh order
+    std::vector<Vec3> sheet{};
+    double fibre_stiffness_pa = 0;    ///< k >= 0; above 0 it needs directions
+    double fibre_exponent = 1;        ///< b > 0
+    double sheet_stiffness_pa = 0;
+    double sheet_exponent = 1;
+};
 
 /// W = lambda/2 (tr E)^2 + mu tr E^2.  Small strain: mu, K = lambda + 2 mu/3.
 struct StVenantKirchhoff {
     double mu_pa = 4e4;      ///< > 0
     double lambda_pa = 6e4;  ///< > -2 mu/3
+    Fibres fibres{};
+    bool matrix_regularization = true;
 };
 
 /// W = mu/2 (I1 - 3) - mu ln J + lambda/2 ln^2 J.  Small strain: mu, K = lambda + 2 mu/3.
 struct NeoHookean {
     double mu_pa = 4e4;      ///< > 0
     double lambda_pa = 6e4;  ///< > -2 mu/3
+    Fibres fibres{};
+    bool matrix_regularization = true;
 };
 
 /// W = mu/2 (I1 - 3) + (lambda + mu)/2 (J - a)^2 - const, a = 1 + mu/(lambda + mu).  Small strain: mu, K = lambda + 2 mu/3. Robust to any deformation.
 struct StableNeoHookean {
     double mu_pa = 4e4;      ///< > 0
     double lambda_pa = 6e4;  ///< > -2 mu/3
+    Fibres fibres{};
+    bool matrix_regularization = true;
 };
 
 /// W = c1 (Ib1 - 3) + c2 (Ib2 - 3) + K/2 ln^2 J.  Small strain: mu = 2 (c1 + c2), K.
@@ -89,12 +113,16 @@ struct MooneyRivlin {
     double c1_pa = 1.6e4;  ///< c1 + c2 > 0
     double c2_pa = 4e3;
     double bulk_pa = 1e5;  ///< K > 0
+    Fibres fibres{};
+    bool matrix_regularization = true;
 };
 
 /// Eight-chain model to five terms, lambda_m^2 = 8.  Small strain: 1.0851367 mu, K.
 struct ArrudaBoyce {
     double mu_pa = 3.7e4;  ///< > 0
     double bulk_pa = 1e5;  ///< K > 0
+    Fibres fibres{};
+    bool matrix_regularization = true;
 };
 
 /// W = c1 (exp(c2 (Ib1 - 3)) - 1) - c1 c2/2 (Ib2 - 3) + K/2 ln^2 J.  Small strain: mu = c1 c2, K.
@@ -102,6 +130,8 @@ struct VerondaWestman {
     double c1_pa = 2e4;    ///< > 0
     double c2 = 2;         ///< > 0, dimensionless
     double bulk_pa = 1e5;  ///< K > 0
+    Fibres fibres{};
+    bool matrix_regularization = true;
 };
 
 struct OgdenTerm {
@@ -113,14 +143,31 @@ struct OgdenTerm {
 struct Ogden {
     std::vector<OgdenTerm> terms{OgdenTerm{}};  ///< at least one, sum of mu > 0
     double bulk_pa = 1e5;  ///< K > 0
+    Fibres fibres{};
+    bool matrix_regularization = true;
+};
+
+/// W = a/2 (exp(Qb) - 1) + K (J ln J - J + 1), Qb = J^-4/3 sum b_ij E_ij^2 in the frame [f s n] of each element.  Small strain: shear moduli a b_ij/2,
+/// C_ii = a b_ii + K, C_ij = K (so K acts as Lame's lambda), bulk modulus K + a (b_ff + b_ss + b_nn)/9.
+struct Costa {
+    double a_pa = 4e4;                            ///< > 0
+    double bulk_pa = 6e4;                         ///< K > 0
+    std::array<double, 6> b{2, 2, 2, 2, 2, 2};    ///< ff fs ss fn sn nn, each > 0
+    Fibres fibres{};
+    bool matrix_regularization = true;
 };
 
 /// One alternative per law.
-using Material = std::variant<Corotational, Linear, StVenantKirchhoff, NeoHookean, StableNeoHookean, MooneyRivlin, ArrudaBoyce, VerondaWestman, Ogden>;
+using Material =
+    std::variant<Corotational, Linear, StVenantKirchhoff, NeoHookean, StableNeoHookean, MooneyRivlin, ArrudaBoyce, VerondaWestman, Ogden, Costa>;
 
 /// True for the laws of a strain energy in F; false for linear elasticity in a frame.
 bool is_hyperelastic(const Material& material);
 
+/// Fibres of a hyperelastic law; null for the others.
+const Fibres* fibres_of(const Material& material);
+/// matrix_regularization of a hyperelastic law; true for the others.
+bool is_regularized(const Material& material);
 /// Plasticity of a linear or corotational material; that of the others is elastic.
 Plasticity plasticity_of(const Material& material);
 /// Volumetric of a linear or corotational material; that of the others is `element`.
@@ -131,9 +178,13 @@ struct Lame {
     double mu_pa = 0;
 };
 
-/// Lame parameters at small strain.
+/// Lame parameters at small strain; of Costa's law, Voigt's average over all directions. Fibres are not counted.
 /// @error Error(invalid_argument) naming where + the parameter, its legal range and the fix
 Lame small_strain(const Material& material, const std::string& where = "material");
+
+/// Checks everything about a material of a body with so many elements: its parameters as small_strain() does, and its fibres.
+/// @error Error(invalid_argument) naming where + the parameter, its legal range and the fix
+void check_material(const Material& material, std::size_t elements, const std::string& where = "material");
 
 /// lambda = E nu / ((1+nu)(1-2nu)), mu = E / (2(1+nu)).
 /// @error Error(invalid_argument) naming where + ".young_pa" / ".poisson" when E is not finite and > 0 or nu not in (-1, 0.5)

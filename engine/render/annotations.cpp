@@ -1,5 +1,6 @@
 #include "supple/render/annotations.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
@@ -77,11 +78,31 @@ void draw_caption(Overlay& o, const std::string& text, const Layout& at) {
         o.text(x + pad, y + 0.55f * pad + o.ascent(size) + line * float(i) + 0.5f * (line - float(size)), size, kInk, lines[i]);
 }
 
+void draw_labels(Overlay& o, const FrameView& view, const Layout& at) {
+    const int size = at.font(16);
+    const float pad = 6 * at.unit;
+    const Camera& c = view.camera;
+    const Vec3 forward = (c.target_m - c.eye_m).normalized(), right = forward.cross(c.up).normalized(), up = right.cross(forward);
+    const double half = std::tan(0.5 * c.fov_deg * M_PI / 180);
+    for (const LabelView& label : view.labels) {
+        const Vec3 d = label.at_m - c.eye_m;
+        const double depth = d.dot(forward);
+        if (!(depth > 1e-9)) continue;
+        const float x = float(0.5 * at.width + 0.5 * at.height * d.dot(right) / (depth * half));
+        const float y = float(0.5 * at.height * (1 - d.dot(up) / (depth * half)));
+        const float w = std::round(o.text_width(size, label.text) + 2 * pad), h = std::round(float(size) + pad);
+        const float left = std::round(x - 0.5f * w), top = std::round(y - 0.5f * h);
+        o.box(left, top, w, h, 5 * at.unit, kPanel);
+        o.text(left + pad, top + 0.5f * pad + o.ascent(size), size, kInk, label.text);
+    }
+}
+
 }  // namespace
 
 void annotate(Overlay& overlay, const FrameView& view, bool with_legend, int width, int height) {
     const Layout layout{float(height) / 720, width, height};
     overlay.begin(width, height);
+    draw_labels(overlay, view, layout);
     if (with_legend) draw_legend(overlay, *view.scale, layout);
     if (!view.hud.empty()) draw_hud(overlay, view.hud, layout);
     if (!view.caption.empty()) draw_caption(overlay, view.caption, layout);

@@ -49,6 +49,11 @@ struct MarkerView {  ///< a tool or a picking cursor
     std::array<float, 3> color{0.95f, 0.95f, 1.0f};  ///< sRGB 0..1
 };
 
+struct LabelView {  ///< a short name beside a thing, centred on the projection of a point; hidden behind the camera
+    Vec3 at_m;
+    std::string text;  ///< UTF-8, one line
+};
+
 struct ColorScale {
     std::string map = "viridis";  ///< any of color_map_names()
     double low = 0, high = 1;     ///< low < high; values outside take the end colours
@@ -69,6 +74,7 @@ struct FrameView {
     std::vector<PointsView> points;
     std::vector<ArrowView> arrows;
     std::vector<MarkerView> markers;
+    std::vector<LabelView> labels;
     std::optional<ColorScale> scale;        ///< needed if a surface or points have a scalar; its legend is drawn then
     std::optional<double> ground_height_m;  ///< along `camera.up`; catches the shadow
     Camera camera;

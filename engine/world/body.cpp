@@ -6,6 +6,7 @@
 #include "supple/base/error.h"
 #include "supple/fem/stress.h"
 #include "supple/solve/chunked_sum.h"
+#include "supple/world/body_materials.h"
 #include "supple/world/precondition.h"
 
 namespace supple {
@@ -35,47 +36,6 @@ namespace {
     throw Error(ErrorCode::invalid_argument, "BodyDef." + field, message);
 }
 
-/// Materials of the elements, checked; with Lame parameters of their own where the definition has arrays.
-fem::ElementMaterials materials_of(const BodyDef& def, std::size_t elements) {
-    fem::ElementMaterials result;
-    result.materials = {def.material};
-    result.materials.insert(result.materials.end(), def.region_materials.begin(), def.region_materials.end());
-    for (std::size_t m = 0; m < result.materials.size(); ++m) {
-        small_strain(result.materials[m], m == 0 ? "BodyDef.material" : "BodyDef.region_materials[" + std::to_string(m - 1) + "]");
-    }
-    const auto check = [&](std::size_t size, const char* name) {
-        if (size != 0 && size != elements) {
-            bad_body(name, "has " + std::to_string(size) + " values, the mesh has " + std::to_string(elements) +
-                               " elements; give one per element in mesh order, or none");
-        }
-    };
-    check(def.material_of_element.size(), "material_of_element");
-    for (const std::int32_t m : def.material_of_element) {
-        if (m < 0 || std::size_t(m) >= result.materials.size()) {
-            bad_body("material_of_element", "holds " + std::to_string(m) + "; legal are 0 (BodyDef.material) to " + std::to_string(def.region_materials.size()) +
-                                                " (the last of region_materials)");
-        }
-    }
-    result.material_of_element = def.material_of_element;
-    if (def.young_pa_per_element.empty() && def.poisson_per_element.empty()) return result;
-    check(def.young_pa_per_element.size(), "young_pa_per_element");
-    check(def.poisson_per_element.size(), "poisson_per_element");
-    result.lame.resize(elements);
-    for (std::size_t e = 0; e < elements; ++e) {
-        const Material& given = result.of(e);
-        Linear material;  // the one shape of young_pa and poisson
-        if (const auto* linear = std::get_if<Linear>(&given)) material = *linear;
-        if (const auto* corotational = std::get_if<Corotational>(&given)) material = {corotational->young_pa, corotational->poisson, {}, {}, {}};
-        if (is_hyperelastic(given)) {
-            bad_body("young_pa_per_element", "arrays of young_pa and poisson belong to the linear and corotational laws; this body's law has other parameters");
-        }
-        result.lame[e] = lame_parameters(def.young_pa_per_element.empty() ? material.young_pa : def.young_pa_per_element[e],
-                                         def.poisson_per_element.empty() ? material.poisson : def.poisson_per_element[e],
-                                         "BodyDef, element " + std::to_string(e));
-    }
-    return result;
-}
-
 /// True if the template's groups do: no kind of element has two families of laws.
 bool one_family_per_kind(const fem::ElementLayout& layout, const std::vector<std::int32_t>& family) {
     for (const fem::ElementGroup& group : layout.groups)
@@ -84,15 +44,75 @@ bool one_family_per_kind(const fem::ElementLayout& layout, const std::vector<std
     return true;
 }
 
-/// A layout of the body's own, where its laws ask for it.
-void choose_layout(Body& body, const fem::ElementMaterials& materials) {
-    const TemplateData& data = body.data();
+/// What apply_materials swaps in.
+struct Matter {
+    std::unique_ptr<const GroupedLayout> layout;  ///< as Body::own_layout
+    std::unique_ptr<fem::Elements> elements;
+};
+
+fem::MatrixPrecision matrix_precision(const WorldDef& world) {
+    return world.solver.precision == Precision::single ? fem::MatrixPrecision::single : fem::MatrixPrecision::double_;
+}
+
+std::unique_ptr<fem::Elements> make_elements(const TemplateData& data, const GroupedLayout* own, const fem::ElementMaterials& materials,
+                                             fem::MatrixPrecision precision, Tangent tangent, Isa isa, bool project) {
+    fem::ElementsDef def;
+    def.layout = own != nullptr ? &own->layout : &data.layout;
+    def.pattern = {data.pattern.row_start, data.pattern.column, data.pattern.mirror};
+    for (const solve::GatherMap& map : own != nullptr ? own->gather : data.gather) def.contributions.push_back({map.start, map.pair});
+    def.precision = precision;
+    def.isa = isa;
+    def.project = project;
+    def.exact_rotation = tangent == Tangent::exact;
+    return fem::make_elements(def, materials);
+}
+
+Matter make_matter(const TemplateData& data, const fem::ElementMaterials& materials, const WorldDef& world, Isa isa) {
+    Matter matter;
     const std::vector<std::int32_t> family = materials.families(data.layout.elements);
-    if (one_family_per_kind(data.layout, family)) return;
-    GroupedLayout own;
-    own.layout = fem::make_layout(data.mesh, family);
-    own.gather = make_gather_maps(data.mesh, data.pattern, own.layout);
-    body.own_layout = std::make_unique<const GroupedLayout>(std::move(own));
+    if (!one_family_per_kind(data.layout, family)) {
+        GroupedLayout own;
+        own.layout = fem::make_layout(data.mesh, family);
+        own.gather = make_gather_maps(data.mesh, data.pattern, own.layout);
+        matter.layout = std::make_unique<const GroupedLayout>(std::move(own));
+    }
+    matter.elements = make_elements(data, matter.layout.get(), materials, matrix_precision(world), world.solver.tangent, isa, true);
+    return matter;
+}
+
+/// [block][fields][lane] of each element, from its place in one layout to that in another. Free lanes get `filler`, a number per field.
+void lay_again(AlignedVector<double>& values, std::span<const double> filler, const fem::ElementLayout& from, const fem::ElementLayout& to) {
+    const std::size_t fields = filler.size();
+    AlignedVector<double> laid(to.blocks * fields * fem::kBlock);
+    for (std::size_t i = 0; i < laid.size(); ++i) laid[i] = filler[i / fem::kBlock % fields];
+    const auto place = [&](std::size_t slot, std::size_t k) { return (slot / fem::kBlock * fields + k) * fem::kBlock + slot % fem::kBlock; };
+    for (std::size_t e = 0; e < to.elements; ++e) {
+        for (std::size_t k = 0; k < fields; ++k) laid[place(to.slot[e], k)] = values[place(from.slot[e], k)];
+    }
+    values = std::move(laid);
+}
+
+/// Element rotations and plastic strains where the new elements look for them. Plastic strain stays while the body can flow, and is forgotten where it cannot.
+void lay_state_again(BodyState& state, const fem::ElementLayout& from, const fem::ElementLayout& to, bool is_plastic) {
+    constexpr double kNoTurn[4] = {1, 0, 0, 0}, kNoStrain[6] = {};
+    if (from.slot != to.slot || from.blocks != to.blocks) {
+        lay_again(state.quaternion, kNoTurn, from, to);
+        lay_again(state.hierarchy_quaternion, kNoTurn, from, to);
+        if (!state.plastic.empty()) lay_again(state.plastic, kNoStrain, from, to);
+    }
+    const std::size_t plastic = is_plastic ? to.blocks * 6 * fem::kBlock : 0;
+    if (state.plastic.size() != plastic) state.plastic.assign(plastic, 0.0);
+    state.solver.assign(kMemoryCount, 0);
+}
+
+void couple_elements(Body& body) {
+    const auto couple = [&](auto& system) {
+        using Real = typename std::remove_reference_t<decltype(system)>::Scalar;
+        system.coupling.reset();
+        if (body.elements->is_coupled()) system.coupling = std::make_unique<ElementCoupling<Real>>(body);
+        system.solver.set_coupling(system.coupling.get());
+    };
+    with_system(body, couple);
 }
 
 void size_workspace(Workspace& w, const fem::ElementLayout& layout) {
@@ -107,42 +127,52 @@ void size_workspace(Workspace& w, const fem::ElementLayout& layout) {
 
 }  // namespace
 
-std::unique_ptr<fem::Elements> make_body_elements(const Body& body, fem::MatrixPrecision precision, Tangent tangent, Isa isa, bool project) {
+void apply_materials(Body& body, const BodyDef& def, const WorldDef& world, Isa isa) {
     const TemplateData& data = body.data();
-    fem::ElementsDef def;
-    def.layout = &body.layout();
-    def.pattern = {data.pattern.row_start, data.pattern.column, data.pattern.mirror};
-    for (const solve::GatherMap& map : body.own_layout ? body.own_layout->gather : data.gather) def.contributions.push_back({map.start, map.pair});
-    def.precision = precision;
-    def.isa = isa;
-    def.project = project;
-    def.exact_rotation = tangent == Tangent::exact;
-    return fem::make_elements(def, materials_of(body.def, data.layout.elements));
+    BodyMaterials materials = resolve_materials(def, data.mesh);
+    Matter matter = make_matter(data, materials.elements, world, isa);
+    auto mass = fem::lumped_mass(data.mesh, materials.density_kg_m3);
+    std::vector<Lame> lame(data.layout.elements);
+    for (std::size_t e = 0; e < lame.size(); ++e) lame[e] = materials.elements.lame_of(e);
+    auto trace = fem::stiffness_trace(data.layout, lame);
+    auto young = young_moduli(lame);
+    BodyDef kept = def;
+
+    std::swap(body.def, kept);
+    body.materials = std::move(materials.elements);
+    body.mass = std::move(mass);
+    body.stiffness_trace = std::move(trace);
+    body.young_pa = std::move(young);
+    body.stress.valid = false;
+    const bool at_work = body.elements != nullptr;
+    const fem::ElementLayout& to = matter.layout ? matter.layout->layout : data.layout;
+    if (at_work) {
+        for (BodyState* state : {&body.state, &body.start}) lay_state_again(*state, body.layout(), to, matter.elements->is_plastic());
+    }
+    body.elements = std::move(matter.elements);
+    body.own_layout = std::move(matter.layout);
+    if (!at_work) return;
+    body.work.corner.resize(to.places * 4);
+    couple_elements(body);
+    drop_preconditioner(body);
+}
+
+std::unique_ptr<fem::Elements> make_body_elements(const Body& body, fem::MatrixPrecision precision, Tangent tangent, Isa isa, bool project) {
+    return make_elements(body.data(), body.own_layout.get(), body.materials, precision, tangent, isa, project);
 }
 
 std::unique_ptr<Body> make_body(const BodyDef& def, const WorldDef& world, std::size_t index, Isa isa) {
     if (!def.shape) bad_body("shape", "is null; make one with BodyTemplate::build(mesh)");
-    if (!(std::isfinite(def.density_kg_m3) && def.density_kg_m3 > 0)) {
-        bad_body("density_kg_m3", to_text(def.density_kg_m3) + " must be above 0; water and soft tissue have about 1000");
-    }
     if (!def.translation_m.allFinite()) bad_body("translation_m", "is not finite");
     if (!def.velocity_m_s.allFinite()) bad_body("velocity_m_s", "is not finite");
 
     auto body = std::make_unique<Body>();
-    body->def = def;
     body->name = def.name.empty() ? "body " + std::to_string(index) : def.name;
     body->shape = def.shape;
     const TemplateData& data = body->data();
     const std::size_t n = data.layout.vertices;
-    const fem::ElementMaterials materials = materials_of(def, data.layout.elements);
-    choose_layout(*body, materials);
-    body->elements = make_body_elements(*body, world.solver.precision == Precision::single ? fem::MatrixPrecision::single : fem::MatrixPrecision::double_,
-                                        world.solver.tangent, isa, true);
-    std::vector<Lame> lame(data.layout.elements);
-    for (std::size_t e = 0; e < lame.size(); ++e) lame[e] = materials.lame_of(e);
-    body->stiffness_trace = fem::stiffness_trace(data.layout, lame);
+    apply_materials(*body, def, world, isa);
     const std::size_t blocks = body->layout().blocks;
-    body->mass = fem::lumped_mass(data.mesh, def.density_kg_m3);
     body->owner.assign(3 * n, kFree);
     for (std::size_t i = 0; i < n; ++i) {
         if (body->mass[i] == 0) std::fill_n(body->owner.begin() + std::ptrdiff_t(3 * i), 3, kHeld);  // a vertex of no element
@@ -167,17 +197,12 @@ std::unique_ptr<Body> make_body(const BodyDef& def, const WorldDef& world, std::
     body->start = s;
 
     size_workspace(body->work, body->layout());
-    const auto couple = [&](auto& system) {
-        using Real = typename std::remove_reference_t<decltype(system)>::Scalar;
-        if (!body->elements->is_coupled()) return;
-        system.coupling = std::make_unique<ElementCoupling<Real>>(*body);
-        system.solver.set_coupling(system.coupling.get());
-    };
     if (world.solver.precision == Precision::single) {
-        couple(body->system.emplace<System<float>>(data, isa, world.solver.preconditioner));
+        body->system.emplace<System<float>>(data, isa, world.solver.preconditioner);
     } else {
-        couple(body->system.emplace<System<double>>(data, isa, world.solver.preconditioner));
+        body->system.emplace<System<double>>(data, isa, world.solver.preconditioner);
     }
+    couple_elements(*body);
     return body;
 }
 

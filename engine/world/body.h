@@ -129,8 +129,10 @@ struct Body {
     std::unique_ptr<const GroupedLayout> own_layout;  ///< of a body of several families of laws; null: that of its template
 
     // Model: constant during a step.
+    fem::ElementMaterials materials;  ///< of the definition, resolved
     std::unique_ptr<fem::Elements> elements;  ///< the law at work; holds the tangent of the current step
     std::vector<double> mass;         ///< [vertex]
+    std::vector<double> young_pa;     ///< [element] at small strain: for pictures
     std::vector<double> stiffness_trace;  ///< of each vertex's diagonal block at rest [N/m]
     std::vector<std::int32_t> owner;  ///< [vertex * 3 + axis] kFree, kHeld, or an index into motions
     std::vector<Motion> motions;
@@ -180,6 +182,8 @@ inline const double* plastic_strain(const Body& body) { return body.state.plasti
 
 /// @error Error(invalid_argument) naming the field of BodyDef
 std::unique_ptr<Body> make_body(const BodyDef& def, const WorldDef& world, std::size_t index, Isa isa);
+/// Makes what depends on the materials of a definition: elements, mass, stiffness. Strong guarantee: where it throws, the body is as it was.
+void apply_materials(Body& body, const BodyDef& def, const WorldDef& world, Isa isa);
 /// The elements of a body's law and moduli, afresh.
 std::unique_ptr<fem::Elements> make_body_elements(const Body& body, fem::MatrixPrecision precision, Tangent tangent, Isa isa, bool project);
 /// Fills body.stress from the current positions, unless it is valid.

@@ -16,11 +16,11 @@ struct Configuration {
         : layout(shape.data().layout) {
         check(positions, "positions_m");
         fem::ElementsDef def;
-        small_strain(material);  // throws with the name of what is out of range
+        check_material(material, layout.elements);  // throws with the name of what is out of range
         def.layout = &layout;
         def.project = false;
         def.exact_rotation = tangent == Tangent::exact;
-        elements = fem::make_elements(def, {.materials = {material}, .material_of_element = {}, .lame = {}});
+        elements = fem::make_elements(def, {.materials = {material}, .material_of_element = {}, .stiffness_factor = {}});
         quaternion.resize(layout.blocks * 4 * fem::kBlock);
         corner.resize(layout.places * 4);
         fem::seed_rotations(team, layout, positions, quaternion);

@@ -94,20 +94,18 @@ struct LoneElement {
     }
 };
 
-/// The material of one element, its own moduli included.
+/// The material of one element as that of a body of it alone; the element's stiffness factor is left out.
 Material material_of(const Body& body, std::size_t element) {
-    Material material = body.def.material;
-    const auto lame = body.elements->lame(element);
-    if (!lame) return material;
-    const double poisson = lame->lambda_pa / (2 * (lame->lambda_pa + lame->mu_pa)), young = 2 * lame->mu_pa * (1 + poisson);
-    if (auto* linear = std::get_if<Linear>(&material)) {
-        linear->young_pa = young;
-        linear->poisson = poisson;
-    }
-    if (auto* corotational = std::get_if<Corotational>(&material)) {
-        corotational->young_pa = young;
-        corotational->poisson = poisson;
-    }
+    Material material = body.materials.of(element);
+    std::visit(
+        [&](auto& m) {
+            if constexpr (requires { m.fibres; }) {
+                for (auto* directions : {&m.fibres.fibre, &m.fibres.sheet}) {
+                    if (directions->size() > 1) *directions = {(*directions)[element]};
+                }
+            }
+        },
+        material);
     return material;
 }
 
@@ -132,8 +130,9 @@ ElementView Inspector::element(std::size_t index) const {
     view.vertices.assign(g.vertex.begin(), g.vertex.begin() + std::ptrdiff_t(g.corners));
     view.rest_volume_m3 = g.volume;
     view.deformation_gradient = g.deformation_gradient(x);
-    view.initial_rotation = in_edge_frame(body.def.material) ? frame_at(g, mesh.vertices) : Mat3(Mat3::Identity());
-    view.rotation = rotation_of(body.def.material, g, mesh.vertices, x);
+    const Material& material = body.materials.of(index);
+    view.initial_rotation = in_edge_frame(material) ? frame_at(g, mesh.vertices) : Mat3(Mat3::Identity());
+    view.rotation = rotation_of(material, g, mesh.vertices, x);
     std::vector<Vec3> rest, now;
     for (const std::int32_t v : view.vertices) {
         rest.push_back(mesh.vertices[std::size_t(v)]);
@@ -143,9 +142,9 @@ ElementView Inspector::element(std::size_t index) const {
     }
     const LoneElement lone(mesh, g, material_of(body, index));
     view.strain_displacement = strain_displacement(g);
-    view.material_matrix = isotropic_matrix(small_strain(lone.material));
-    view.initial_stiffness = lone.stiffness(rest, Tangent::automatic);
-    view.stiffness = lone.stiffness(now, world_->def().solver.tangent);
+    view.material_matrix = isotropic_matrix(body.materials.lame_of(index));
+    view.initial_stiffness = body.materials.factor(index) * lone.stiffness(rest, Tangent::automatic);
+    view.stiffness = body.materials.factor(index) * lone.stiffness(now, world_->def().solver.tangent);
     update_stress(body, world_->impl_->alone);
     view.energy_j = body.stress.element_energy[index];
     view.cauchy_pa = body.stress.element[index];
@@ -156,7 +155,7 @@ std::vector<Mat3> Inspector::element_rotations() const {
     const Body& body = world_->impl_->body(body_);
     std::vector<Mat3> rotations;
     for (std::size_t e = 0; e < element_count(); ++e) {
-        rotations.push_back(rotation_of(body.def.material, fem::element_geometry(body.data().mesh, e), body.data().mesh.vertices, body.state.x));
+        rotations.push_back(rotation_of(body.materials.of(e), fem::element_geometry(body.data().mesh, e), body.data().mesh.vertices, body.state.x));
     }
     return rotations;
 }

@@ -9,11 +9,18 @@ namespace supple {
 namespace {
 
 constexpr std::uint64_t kMagic = 0x31504e53504c5053ULL;  // "SPLPSNP1", little-endian
-constexpr std::uint32_t kVersion = 2;
+constexpr std::uint32_t kVersion = 3;
 
 std::uint64_t checksum(std::span<const std::byte> bytes) {
     Hasher hasher;
     hasher.add_bytes(bytes);
+    return hasher.value();
+}
+
+/// Of where each element's rotation and plastic strain lie: that follows from the laws of a body's regions.
+std::uint64_t layout_hash(const Body& body) {
+    Hasher hasher;
+    hasher.add_bytes(std::as_bytes(std::span(body.layout().slot)));
     return hasher.value();
 }
 
@@ -69,6 +76,7 @@ std::vector<std::byte> World::save() const {
     for (const std::uint32_t slot : w.order) {
         out.value(slot);
         out.value(w.slots[slot].generation);
+        out.value(layout_hash(*w.slots[slot].body));
         BodyState::for_each_field(w.slots[slot].body->state, [&](const char*, const auto& field) { out.array(field); });
     }
     out.value(std::uint64_t(w.drags.size()));
@@ -108,6 +116,9 @@ void World::restore(std::span<const std::byte> snapshot) {
         const auto index = in.value<std::uint32_t>("body id");
         const auto generation = in.value<std::uint32_t>("body id");
         if (index != slot || generation != w.slots[slot].generation) differs("the ids of its bodies differ: build the world by the same calls in the same order");
+        if (in.value<std::uint64_t>("layout") != layout_hash(*w.slots[slot].body)) {
+            differs("the elements of \"" + w.slots[slot].body->name + "\" are grouped into other laws: set the materials it had when it was saved first");
+        }
         states.push_back(w.slots[slot].body->start);
         BodyState::for_each_field(states.back(), [&](const char* what, auto& field) { in.array(field, what); });
     }

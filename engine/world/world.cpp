@@ -41,6 +41,27 @@ void check(const WorldDef& def) {
     require_in_range(s.rayleigh_stiffness_s, 0, 1e3, "WorldDef.solver.rayleigh_stiffness_s");
 }
 
+/// Of the first nearly incompressible material of a body.
+void warn_of_locking(const WorldDef& world, const Body& body) {
+    if (!world.log || body.data().mesh.tets.empty()) return;
+    const auto locks = [&](const Material& material) {
+        const Lame lame = small_strain(material);
+        const double poisson = lame.lambda_pa / (2 * (lame.lambda_pa + lame.mu_pa));
+        if (!(poisson > 0.48 + 1e-9) || volumetric_of(material) == Volumetric::nodal) return false;
+        world.log(LogLevel::warning, body.name + ": Poisson's ratio " + to_text(poisson) +
+                                         " above 0.48 locks linear tetrahedra: they bend too little; " +
+                                         (is_hyperelastic(material) ? "use hexahedra" : "set the material's volumetric to \"nodal\""));
+        return true;
+    };
+    if (locks(body.def.material)) return;
+    for (const MaterialRegion& region : body.def.regions) {
+        if (region.material && locks(*region.material)) return;
+    }
+    for (const Material& material : body.def.material_per_element) {
+        if (locks(material)) return;
+    }
+}
+
 }  // namespace
 
 Body& World::Impl::body(BodyId id) const {
@@ -71,13 +92,8 @@ BodyId World::add_body(const BodyDef& def) {
     auto body = make_body(def, w.def, slot, w.isa);
     if (w.def.log) {
         for (const std::string& sentence : body->data().report.sentences()) w.def.log(LogLevel::warning, body->name + ": " + sentence);
-        const Lame lame = small_strain(def.material);
-        if (const double poisson = lame.lambda_pa / (2 * (lame.lambda_pa + lame.mu_pa));
-            poisson > 0.48 + 1e-9 && volumetric_of(def.material) == Volumetric::element && !def.shape->mesh().tets.empty()) {
-            w.def.log(LogLevel::warning, body->name + ": Poisson's ratio " + to_text(poisson) +
-                                             " above 0.48 locks linear tetrahedra: they bend too little; set the material's volumetric to \"nodal\"");
-        }
     }
+    warn_of_locking(w.def, *body);
     if (!w.crew && w.threads > 1 && body->element_count() >= kMinElementsForThreads) w.crew = std::make_unique<Team>(w.threads);
     if (slot == w.slots.size()) w.slots.emplace_back();
     w.slots[slot].body = std::move(body);
@@ -128,6 +144,32 @@ void World::set_state(BodyId id, std::span<const Vec3> positions_m, std::span<co
     body.stress.valid = false;
 }
 
+void World::set_material(BodyId id, const Material& material) {
+    Body& body = impl_->body(id);
+    BodyDef def = body.def;
+    def.material = material;
+    def.material_per_element.clear();
+    def.young_pa_per_element.clear();
+    def.poisson_per_element.clear();
+    apply_materials(body, def, impl_->def, impl_->isa);
+    warn_of_locking(impl_->def, body);
+}
+
+void World::set_regions(BodyId id, std::vector<MaterialRegion> regions) {
+    Body& body = impl_->body(id);
+    BodyDef def = body.def;
+    def.regions = std::move(regions);
+    apply_materials(body, def, impl_->def, impl_->isa);
+    warn_of_locking(impl_->def, body);
+}
+
+void World::set_stiffness_factor(BodyId id, std::span<const double> per_element) {
+    Body& body = impl_->body(id);
+    BodyDef def = body.def;
+    def.stiffness_factor_per_element.assign(per_element.begin(), per_element.end());
+    apply_materials(body, def, impl_->def, impl_->isa);
+}
+
 StepReport World::step() noexcept { return do_step(*impl_); }
 
 AdvanceReport World::advance(double real_seconds) noexcept {
@@ -167,6 +209,7 @@ std::vector<Vec3> World::start_positions(BodyId id) const { return impl_->body(i
 std::span<const Vec3> World::previous_positions(BodyId id) const { return impl_->body(id).state.x_previous; }
 std::span<const Vec3> World::velocities(BodyId id) const { return impl_->body(id).state.v; }
 std::span<const double> World::masses(BodyId id) const { return impl_->body(id).mass; }
+std::span<const double> World::element_young_pa(BodyId id) const { return impl_->body(id).young_pa; }
 std::span<const Vec3> World::reactions(BodyId id) const { return impl_->body(id).state.reaction; }
 
 namespace {

@@ -74,15 +74,25 @@ struct WorldDef {
     LogSink log{};
 };
 
+/// A part of a body whose matter differs. Regions apply in their order.
+struct MaterialRegion {
+    Selection where{};                    ///< the elements whose vertices are all selected; at least one
+    std::optional<Material> material{};   ///< in place of the body's, of any law; empty: only the factor and the density change
+    double stiffness_factor = 1;          ///< multiplies every modulus of the elements, > 0; those of several regions multiply
+    double density_kg_m3 = 0;             ///< > 0; 0 keeps the body's
+};
+
 struct BodyDef {
     std::string name{};                                ///< for messages; "body <index>" if empty
     std::shared_ptr<const BodyTemplate> shape{};       ///< required
     Material material = Corotational{};
-    std::vector<Material> region_materials{};          ///< materials of parts of the body, any laws
-    std::vector<std::int32_t> material_of_element{};   ///< empty, or one per element: 0 is `material`, i is region_materials[i - 1]
     double density_kg_m3 = 1000;                       ///< > 0
     std::vector<double> young_pa_per_element{};        ///< empty, or one per element: overrides material
     std::vector<double> poisson_per_element{};         ///< empty, or one per element: overrides material
+    std::vector<Material> material_per_element{};      ///< empty, or one per element in place of material, of any laws
+    std::vector<double> stiffness_factor_per_element{};///< empty, or one per element, > 0: multiplies every modulus
+    std::vector<double> density_kg_m3_per_element{};   ///< empty, or one per element, > 0: overrides density_kg_m3
+    std::vector<MaterialRegion> regions{};             ///< applied after the above
     Vec3 translation_m = Vec3::Zero();                 ///< of the start position; the rest shape stays where the mesh is
     Vec3 velocity_m_s = Vec3::Zero();                  ///< at the start
 };
@@ -139,6 +149,12 @@ public:
     void clear_loads(BodyId body);
     void set_state(BodyId body, std::span<const Vec3> positions_m, std::span<const Vec3> velocities_m_s);
 
+    // Changes of matter between steps. Positions, velocities, history, supports and loads stay; so does the world if anything is out of range
+    // (@error Error(invalid_argument) as add_body). reset() goes back to the start with the materials of the moment; snapshots hold no materials.
+    void set_material(BodyId body, const Material& material);  ///< replaces material and every array per element of it; regions and factors stay
+    void set_regions(BodyId body, std::vector<MaterialRegion> regions);  ///< in place of all regions; may be empty
+    void set_stiffness_factor(BodyId body, std::span<const double> per_element);  ///< in place of those per element; empty: 1
+
     // -- time -----------------------------------------------------------------------------------------
     StepReport step() noexcept;                          ///< one fixed step
     AdvanceReport advance(double real_seconds) noexcept; ///< as many fixed steps as real time asks for
@@ -153,6 +169,7 @@ public:
     std::span<const Vec3> previous_positions(BodyId body) const;  ///< before the last step: for interpolation [m]
     std::span<const Vec3> velocities(BodyId body) const;          ///< [m/s]
     std::span<const double> masses(BodyId body) const;            ///< lumped [kg]
+    std::span<const double> element_young_pa(BodyId body) const;  ///< per element, at small strain, factors included
     std::span<const double> von_mises(BodyId body) const;         ///< per vertex, of the volume-weighted Cauchy tensor [Pa]
     std::span<const Voigt> cauchy_stress(BodyId body) const;      ///< per vertex [Pa]
     std::span<const double> element_von_mises(BodyId body) const; ///< per element [Pa]

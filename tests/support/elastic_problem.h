@@ -44,10 +44,8 @@ struct ElasticProblem {
         for (const solve::GatherMap& map : data.gather) elements_def.contributions.push_back({map.start, map.pair});
         elements_def.precision = sizeof(Real) == 4 ? fem::MatrixPrecision::single : fem::MatrixPrecision::double_;
         elements_def.isa = best_isa();
-        fem::ElementMaterials materials{{Corotational{}}, {}, {}};
-        for (std::size_t e = 0; e < layout.elements; ++e) {
-            materials.lame.push_back(lame_parameters(def.young_pa * (e % 7 == 3 ? def.inclusion : 1), def.poisson, "test"));
-        }
+        fem::ElementMaterials materials{{Corotational{.young_pa = def.young_pa, .poisson = def.poisson}}, {}, {}};
+        for (std::size_t e = 0; e < layout.elements; ++e) materials.stiffness_factor.push_back(e % 7 == 3 ? def.inclusion : 1);
         auto elements = fem::make_elements(elements_def, materials);
         std::vector<Vec3> x = data.mesh.vertices;
         for (Vec3& p : x) p = def.turn * p;
@@ -61,7 +59,7 @@ struct ElasticProblem {
         outputs.tangent = true;
         elements->evaluate(team, x.data()->data(), quaternion.data(), outputs);
         A = {&pattern, AlignedVector<Real>(pattern.blocks() * 12, Real(0))};
-        elements->assemble(team, def.time_step_s * def.time_step_s, fem::lumped_mass(data.mesh, 1000), A.value.data());
+        elements->assemble(team, def.time_step_s * def.time_step_s, fem::lumped_mass(data.mesh, std::vector<double>{1000}), A.value.data());
         for (const double v : layout.volume) volume += v;
         for (std::size_t i = 0; i < n; ++i) held.push_back(held_bits(data.mesh.vertices[i]));
 

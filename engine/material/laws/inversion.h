@@ -1,7 +1,7 @@
 #pragma once
 /// Carries a law that needs positive stretches through flat and inverted elements (after Irving, Teran, Fedkiw 2004).
 ///
-/// Below the floor s* = 0.1 the energy goes on from the clamped stretches t_i = max(s_i, s*), with d_i = s_i - t_i <= 0:
+/// Below the floor s* (0.1; 0.3 for laws with exponentials of J^-1, which would be astronomic at 0.1) the energy goes on from the clamped stretches t_i = max(s_i, s*), with d_i = s_i - t_i <= 0:
 ///     W(s) = W(t) + sum_i W_i(t) d_i + k/2 sum_i d_i^2
 /// so that W_i(s) = W_i(t) + k d_i where clamped and W_j(t) + sum_i W_ij(t) d_i elsewhere: continuous force, its own energy, and a spring k that
 /// pushes back however far the element is turned inside out.
@@ -11,12 +11,12 @@ namespace supple {
 inline namespace SUPPLE_ISA {
 namespace {
 
-inline constexpr double kStretchFloor = 0.1;
+inline constexpr double kStretchFloor = 0.1, kExponentialFloor = 0.3;
 
 /// Evaluates law(e) with the extension. k: its stiffness [Pa].
 template <class Law>
-inline void with_inversion(Lanes k, Principal& e, Law&& law) {
-    const Lanes floor(kStretchFloor), zero(0.0), one(1.0), half(0.5), near(1e-3);
+inline void with_inversion(Lanes k, Principal& e, Law&& law, double lowest = kStretchFloor) {
+    const Lanes floor(lowest), zero(0.0), one(1.0), half(0.5), near(1e-3);
     const Lanes s[3] = {e.s[0], e.s[1], e.s[2]};
     const LaneMask clamped[3] = {s[0] < floor, s[1] < floor, s[2] < floor};
     for (int i = 0; i < 3; ++i) e.s[i] = larger(s[i], floor);
