@@ -122,6 +122,18 @@ Tensor<T> of(const Ogden& m, const Tensor<T>& F) {
     return F * S;
 }
 
+/// In the frame x y z.
+template <class T>
+Tensor<T> of(const Costa& m, const Tensor<T>& F) {
+    const Tensor<T> C = F.transpose() * F, Ci = C.inverse();
+    const Tensor<T> E = 0.5 * (C - identity<T>());
+    Mat3 b;
+    b << m.b[0], m.b[1], m.b[3], m.b[1], m.b[2], m.b[4], m.b[3], m.b[4], m.b[5];
+    const Tensor<T> BE = b.template cast<T>().cwiseProduct(E);
+    const T J = F.determinant(), j = std::pow(J, -4.0 / 3), Q = BE.cwiseProduct(E).sum();
+    return F * (m.a_pa * std::exp(j * Q) * j * (BE - 2.0 / 3 * Q * Ci) + m.bulk_pa * J * std::log(J) * Ci);
+}
+
 }  // namespace piola
 
 /// P(F) of a law.
