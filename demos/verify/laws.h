@@ -122,6 +122,24 @@ Tensor<T> of(const Ogden& m, const Tensor<T>& F) {
     return F * S;
 }
 
+/// In the axes x y z: without directions.
+template <class T>
+Tensor<T> of(const Costa& m, const Tensor<T>& F) {
+    if (!m.fibres.fibre.empty()) throw std::invalid_argument("Costa's closed form here: the frame is that of the axes");
+    constexpr int kPlace[3][3] = {{0, 1, 3}, {1, 2, 4}, {3, 4, 5}};  // of b: ff fs ss fn sn nn
+    const Tensor<T> C = F.transpose() * F, Ci = C.inverse(), E = (C - identity<T>()) / 2.0;
+    const T J = F.determinant(), scale = std::pow(J, -4.0 / 3);
+    Tensor<T> bE;
+    T Q = 0;
+    for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) {
+            bE(i, j) = m.b[std::size_t(kPlace[i][j])] * E(i, j);
+            Q += scale * bE(i, j) * E(i, j);
+        }
+    }
+    return F * Tensor<T>(m.a_pa / 2 * std::exp(Q) * (2.0 * scale * bE - 4.0 / 3 * Q * Ci) + m.bulk_pa * J * std::log(J) * Ci);
+}
+
 }  // namespace piola
 
 /// P(F) of a law.
