@@ -109,6 +109,7 @@ void couple_elements(Body& body) {
     const auto couple = [&](auto& system) {
         using Real = typename std::remove_reference_t<decltype(system)>::Scalar;
         system.coupling.reset();
+        system.preconditioner->coupling_diagonal = {};  // it lay in the coupling
         if (body.elements->is_coupled()) system.coupling = std::make_unique<ElementCoupling<Real>>(body);
         system.solver.set_coupling(system.coupling.get());
     };

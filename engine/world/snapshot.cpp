@@ -116,11 +116,12 @@ void World::restore(std::span<const std::byte> snapshot) {
         const auto index = in.value<std::uint32_t>("body id");
         const auto generation = in.value<std::uint32_t>("body id");
         if (index != slot || generation != w.slots[slot].generation) differs("the ids of its bodies differ: build the world by the same calls in the same order");
-        if (in.value<std::uint64_t>("layout") != layout_hash(*w.slots[slot].body)) {
-            differs("the elements of \"" + w.slots[slot].body->name + "\" are grouped into other laws: set the materials it had when it was saved first");
-        }
+        const auto layout = in.value<std::uint64_t>("layout");
         states.push_back(w.slots[slot].body->start);
         BodyState::for_each_field(states.back(), [&](const char* what, auto& field) { in.array(field, what); });
+        if (layout != layout_hash(*w.slots[slot].body)) {
+            differs("the elements of \"" + w.slots[slot].body->name + "\" are grouped into other laws: set the materials it had when it was saved first");
+        }
     }
     const auto drag_count = in.value<std::uint64_t>("drags");
     std::vector<Drag> drags;
