@@ -26,7 +26,7 @@ Touch press(double begin_s, double x_m, const char* caption) {
     touch.radius_m = 0.035;
     touch.tool_radius_m = 0.03;
     touch.displacement_m.times_s = {0, 1.2, 1.7, 2.2};
-    touch.displacement_m.values = {Vec3::Zero(), Vec3(0, -0.032, 0), Vec3(0, -0.032, 0), Vec3(0, -0.005, 0)};
+    touch.displacement_m.values = {Vec3::Zero(), Vec3(0, -0.036, 0), Vec3(0, -0.036, 0), Vec3(0, -0.036, 0)};
     touch.caption = caption;
     return touch;
 }
@@ -41,7 +41,7 @@ public:
             def.name = plastic ? "plastic" : "elastic";
             def.shape = slab;
             Corotational clay{.young_pa = 4e4, .poisson = 0.4};
-            if (plastic) clay.plasticity = {.yield = 0.04, .max = 0.6, .creep_1_s = 30};
+            if (plastic) clay.plasticity = {.yield = 0.02, .max = 0.6, .creep_1_s = 30};
             def.material = clay;
             def.density_kg_m3 = 1200;
             def.translation_m = Vec3(centre(plastic), 0, 0);
@@ -49,12 +49,13 @@ public:
             world_.fix(body, InsideBox{Vec3(-1, -1, -1), Vec3(1, 1e-9, 1)});
         }
         script_ = std::make_unique<TouchScript>(world_, std::vector<Touch>{press(1.2, centre(false), "Elastic: pressed, then let go"),
-                                                                           press(4.6, centre(true), "With a yield strain of 4 %: the same press"),
-                                                                           }, 0.08, 20.0);
+                                                                           press(4.6, centre(true), "With a yield strain of 2 %: the same press")}, 0.08, 20.0);
         SceneBounds bounds;
         bounds.include(Vec3(-kGap_m / 2 - kWidth_m / 2, 0, -kWidth_m / 2));
         bounds.include(Vec3(kGap_m / 2 + kWidth_m / 2, kHeight_m + 0.08, kWidth_m / 2));
-        camera_ = frame_camera(bounds, Vec3(0.15, 0.75, 1), 32);
+        camera_ = frame_camera(bounds, Vec3(0.1, 0.6, 1), 32);
+        camera_.eye_m = camera_.target_m + 0.72 * (camera_.eye_m - camera_.target_m);  // a wide, flat scene
+        camera_.target_m.y() -= 0.025;
     }
 
     World& world() override { return world_; }
@@ -68,8 +69,9 @@ public:
         for (SurfaceView& surface : view.surfaces) surface.look = Look::rubber;
         view.labels.push_back({Vec3(centre(false), 0.0, kWidth_m / 2 + 0.02), "elastic"});
         view.labels.push_back({Vec3(centre(true), 0.0, kWidth_m / 2 + 0.02), "plastic"});
-        view.caption = t < 1.2 ? "Two slabs, equally stiff; the right one flows where it is strained beyond 4 %"
+        view.caption = t < 1.2 ? "Two slabs, equally stiff; the right one flows where it is strained beyond 2 %"
                                : "The elastic slab came back; the other keeps its dent and the stress locked in around it";
+        if (view.scale) view.scale->high = 1e4;
         script_->decorate(view);
     }
 

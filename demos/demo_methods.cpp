@@ -51,15 +51,16 @@ public:
             Load load;
             load.where = InsideBox{Vec3(kLength_m - 1e-9, -1, -1), Vec3(1, 1, 1)};
             load.value.times_s = {0.5, 4, 6, 6.2};
-            load.value.values = {Vec3::Zero(), Vec3(0, 2.4, 0), Vec3(0, 2.4, 0), Vec3::Zero()};
+            load.value.values = {Vec3::Zero(), Vec3(0, 1.3, 0), Vec3(0, 1.3, 0), Vec3::Zero()};
             world_.add_load(body, load);
             force_ = load.value;
             bodies_.push_back(body);
         }
         SceneBounds bounds;
         bounds.include(Vec3(-0.02, -0.05, offset(0)));
-        bounds.include(Vec3(kLength_m + 0.05, 0.33, offset(methods_.size() - 1)));
-        camera_ = frame_camera(bounds, Vec3(0.55, 0.42, 1), 32);
+        bounds.include(Vec3(kLength_m + 0.08, 0.42, offset(methods_.size() - 1)));
+        camera_ = frame_camera(bounds, Vec3(0.75, 0.5, 1), 32);
+        camera_.eye_m = camera_.target_m + 0.8 * (camera_.eye_m - camera_.target_m);
     }
 
     World& world() override { return world_; }
@@ -68,7 +69,7 @@ public:
     void decorate(FrameView& view) override {
         const double t = world_.time_s();
         view.camera = camera_;
-        if (view.scale) view.scale->high = 4e4;
+        if (view.scale) view.scale->high = 1e4;
         for (std::size_t i = 0; i < bodies_.size(); ++i) {
             view.surfaces[i].look = Look::rubber;
             view.labels.push_back({Vec3(-0.03, -kSide_m, offset(i)), methods_[i].name});
