@@ -174,6 +174,22 @@ TEST(WorldContainment, ACappedDragIsHarmlessHoweverFarItsTarget) {
     }
 }
 
+TEST(WorldContainment, ABodyThatFliesApartIsPutBackThoughItsNumbersAreFinite) {
+    World world(plain(Precision::double_));
+    const BodyId body = world.add_body({.shape = test::bar({4, 2, 2})});
+    std::vector<Vec3> x = test::copy(world.positions(body)), v(x.size(), Vec3::Zero());
+    for (std::size_t i = 0; i < x.size(); ++i) v[i] = 1e12 * x[i];
+    world.set_state(body, x, v);
+    EXPECT_EQ(world.step().flags, StepFlag::non_finite);
+    EXPECT_TRUE(world.is_frozen(body));
+    EXPECT_LT(test::relative_difference(world.positions(body), x), 1e-15);
+    // A body that merely travels far does not.
+    for (Vec3& p : x) p += Vec3(1e9, 0, 0);
+    world.unfreeze(body);
+    world.set_state(body, x, std::vector<Vec3>(x.size(), Vec3(1e6, 0, 0)));
+    EXPECT_EQ(world.step().flags & StepFlag::non_finite, StepFlag::none);
+}
+
 TEST(WorldContainment, ADragOnAFrozenBodyPullsNoMore) {
     World world(plain(Precision::single));
     const BodyId body = world.add_body({.shape = test::bar({4, 2, 2})});

@@ -9,6 +9,9 @@ namespace supple {
 
 using solve::kRowChunk;
 
+/// A body so many times larger than at rest has blown up, though its numbers are finite still: a step diverged.
+constexpr double kBlownUp = 1e6;
+
 void stiffness_product(StepContext& ctx, Body& body, const std::vector<Vec3>& field) {
     fem::stiffness_product(ctx.team, *body.elements, body.layout(), body.state.quaternion.data(), field, body.work.corner, body.work.product);
 }
@@ -102,12 +105,16 @@ void assemble(StepContext& ctx, Body& body) {
 
 bool integrate(StepContext& ctx, BodyId id, Body& body) {
     Workspace& w = body.work;
-    const double size = solve::sum_over_rows(ctx.team, body.vertices(), w.partial, [&](std::size_t begin, std::size_t end) {
+    const auto end = [&](std::size_t i) -> Vec3 { return w.base_x[i] + w.h * w.v0[i]; };
+    const Vec3 first = end(0);
+    const double spread = solve::sum_over_rows(ctx.team, body.vertices(), w.partial, [&](std::size_t begin, std::size_t last) {
         double sum = 0;
-        for (std::size_t i = begin; i < end; ++i) sum += (w.base_x[i] + w.h * w.v0[i]).squaredNorm() + w.v0[i].squaredNorm();
+        for (std::size_t i = begin; i < last; ++i) sum += (end(i) - first).squaredNorm() + 1e-300 * w.v0[i].squaredNorm();
         return sum;
     });
-    if (!std::isfinite(size)) return false;
+    const MeshReport& rest = body.data().report;
+    const double limit = kBlownUp * (rest.max_m - rest.min_m).norm();
+    if (!first.allFinite() || !(spread <= limit * limit * double(body.vertices()))) return false;
     end_scheme(ctx, body);
     body.stress.valid = false;
     read_drags(ctx.world, id, body);

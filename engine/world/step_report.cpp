@@ -24,8 +24,8 @@ std::string_view cure(StepFlag one_bit) {
         case StepFlag::residual_stalled:
             return "float32 cannot reach cg_relative_tolerance for this stiffness and time step: set precision to \"double\" or loosen the tolerance";
         case StepFlag::non_finite:
-            return "a body's numbers overflowed; it was put back to the start of the step and frozen: look at its loads and prescribed motions, "
-                   "then reset() or unfreeze() it";
+            return "a body's numbers overflowed or it flew apart; it was put back to the start of the step and frozen: look at its loads and prescribed "
+                   "motions, set newton_tolerance for a violent start, then reset() or unfreeze() it";
         case StepFlag::frozen: return "a body frozen by an earlier step waits for reset(), restore() or unfreeze()";
         case StepFlag::newton_cap: return "Newton stopped at newton_iterations before newton_tolerance: raise the one or loosen the other";
         case StepFlag::no_equilibrium:

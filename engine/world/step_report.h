@@ -12,7 +12,7 @@ enum class StepFlag : std::uint32_t {
     none = 0,
     iteration_cap = 1u << 0,     ///< CG stopped at SolverDef.cg_max_iterations before its tolerance
     residual_stalled = 1u << 1,  ///< float32 could not reach the tolerance: use Precision::double_
-    non_finite = 1u << 2,        ///< a body became non-finite in this step; it was rolled back and frozen
+    non_finite = 1u << 2,        ///< a body became non-finite, or a million times larger than at rest, in this step; it was rolled back and frozen
     frozen = 1u << 3,            ///< a body frozen by an earlier step is waiting for World::reset(), restore() or unfreeze()
     newton_cap = 1u << 4,        ///< newton_iterations done before newton_tolerance (only with newton_tolerance > 0)
     no_equilibrium = 1u << 5,    ///< static: no equilibrium found, even with the load in small steps
