@@ -100,7 +100,7 @@ inline void read_points(const Hex8HyperPass& pass, std::size_t block, std::size_
     for (std::size_t q = 0; q < kHexPoints; ++q) {
         HexPointState& s = points[q];
         const double* point = pass.point + (block * kHexPoints + q) * kHexPoint * kBlock + lane;
-        load_seven(point, s.g);
+        load_vectors<7>(point, s.g);
         s.weight = load(point + 21 * kBlock);
         s.F = hex_gradient(d, s.g);
         s.C = cofactors(s.F);
@@ -307,8 +307,8 @@ void hex_hyper_elements(const Hex8HyperPass& pass, std::size_t begin, std::size_
     for (std::size_t at = begin * kBlock; at < end * kBlock; at += kLanes) {
         const std::size_t block = at / kBlock, lane = at % kBlock;
         Vector d[7], mean[7];
-        hex_differences(pass.position, pass.vertex + block * 8 * kBlock + lane, d);
-        load_seven(pass.gradient + block * 21 * kBlock + lane, mean);
+        differences<8>(pass.position, pass.vertex + block * 8 * kBlock + lane, d);
+        load_vectors<7>(pass.gradient + block * 21 * kBlock + lane, mean);
         double* quaternion = pass.quaternion + block * 4 * kBlock + lane;
         Quat<Lanes> turn{load(quaternion), load(quaternion + kBlock), load(quaternion + 2 * kBlock), load(quaternion + 3 * kBlock)};
         polar_rotation(hex_gradient(d, mean), turn);

@@ -71,11 +71,7 @@ inline Matrix hex_rotation(const Matrix& F, const Vector d[7], const Vector D[7]
         Vector x, y, X, Y;
         mean_edges(d, x, y);
         mean_edges(D, X, Y);
-        const Matrix now = edge_frame(x, y), rest = edge_frame(X, Y);
-        Matrix R;
-        for (int i = 0; i < 3; ++i)
-            for (int j = 0; j < 3; ++j) R.m[i][j] = now.m[i][0] * rest.m[j][0] + now.m[i][1] * rest.m[j][1] + now.m[i][2] * rest.m[j][2];
-        q = quaternion(R);
+        q = quaternion(turn_of(edge_frame(x, y), edge_frame(X, Y)));
     } else {
         if constexpr (frame == Frame::svd) q = quaternion(svd_rotation(F));
         return polar_rotation(F, q);
@@ -123,9 +119,9 @@ void hex_elements(const Hex8Pass& pass, std::size_t begin, std::size_t end) {
     for (std::size_t at = begin * kBlock; at < end * kBlock; at += kLanes) {
         const std::size_t block = at / kBlock, lane = at % kBlock;
         Vector d[7], D[7], b[7];
-        hex_differences(pass.position, pass.vertex + block * 8 * kBlock + lane, d);
-        load_seven(pass.edge + block * 21 * kBlock + lane, D);
-        load_seven(pass.gradient + block * 21 * kBlock + lane, b);
+        differences<8>(pass.position, pass.vertex + block * 8 * kBlock + lane, d);
+        load_vectors<7>(pass.edge + block * 21 * kBlock + lane, D);
+        load_vectors<7>(pass.gradient + block * 21 * kBlock + lane, b);
         double* quaternion = pass.quaternion + block * 4 * kBlock + lane;
 
         const Matrix F = hex_gradient(d, b);
@@ -164,7 +160,7 @@ inline void hex_product(const Hex8Product& pass, std::size_t begin, std::size_t 
     for (std::size_t at = begin * kBlock; at < end * kBlock; at += kLanes) {
         const std::size_t block = at / kBlock, lane = at % kBlock;
         Vector d[7], f[7];
-        hex_differences(pass.field, pass.vertex + block * 8 * kBlock + lane, d);
+        differences<8>(pass.field, pass.vertex + block * 8 * kBlock + lane, d);
         if (pass.quaternion == nullptr) {
             multiply(pass.stiffness, block, lane, d, f);
         } else {

@@ -7,29 +7,6 @@ namespace supple::fem {
 inline namespace SUPPLE_ISA {
 namespace {
 
-/// Values of a vertex field at the corners 1..7 of the elements in some lanes of a block, as differences to corner 0.
-inline void hex_differences(const double* field, const std::int32_t* vertex, Vector d[7]) {
-    alignas(64) double c[8][3][kLanes];
-    for (int a = 0; a < 8; ++a) {
-        for (int lane = 0; lane < kLanes; ++lane) {
-            const double* p = field + 3 * std::size_t(vertex[a * int(kBlock) + lane]);
-            c[a][0][lane] = p[0];
-            c[a][1][lane] = p[1];
-            c[a][2][lane] = p[2];
-        }
-    }
-    const Vector c0{load(c[0][0]), load(c[0][1]), load(c[0][2])};
-    for (int k = 0; k < 7; ++k) d[k] = Vector{load(c[k + 1][0]), load(c[k + 1][1]), load(c[k + 1][2])} - c0;
-}
-
-/// Seven vectors of a block, [..][x y z][lane].
-inline void load_seven(const double* from, Vector v[7]) {
-    for (int k = 0; k < 7; ++k) {
-        const double* p = from + std::size_t(3 * k) * kBlock;
-        v[k] = {load(p), load(p + kBlock), load(p + 2 * kBlock)};
-    }
-}
-
 /// sum_a d_a g_a^T over the corners 1..7.
 inline Matrix hex_gradient(const Vector d[7], const Vector g[7]) {
     Matrix F = gradient(d, g);

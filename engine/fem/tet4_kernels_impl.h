@@ -29,11 +29,7 @@ inline Matrix find_rotation(const Matrix& F, const Vector d[3], const Vector g[3
         q = {Lanes(1.0), Lanes(0.0), Lanes(0.0), Lanes(0.0)};
     } else if constexpr (frame == Frame::large) {
         // The rest edges are the columns of the inverse of the gradients' matrix: along g2 x g3 and g3 x g1.
-        const Matrix now = edge_frame(d[0], d[1]), rest = edge_frame(cross(g[1], g[2]), cross(g[2], g[0]));
-        Matrix R;
-        for (int i = 0; i < 3; ++i)
-            for (int j = 0; j < 3; ++j) R.m[i][j] = now.m[i][0] * rest.m[j][0] + now.m[i][1] * rest.m[j][1] + now.m[i][2] * rest.m[j][2];
-        q = quaternion(R);
+        q = quaternion(turn_of(edge_frame(d[0], d[1]), edge_frame(cross(g[1], g[2]), cross(g[2], g[0]))));
     } else {
         if constexpr (frame == Frame::svd) q = quaternion(svd_rotation(F));
         return polar_rotation(F, q);
@@ -142,10 +138,7 @@ inline void elements(const Tet4Pass& pass, std::size_t begin, std::size_t end) {
                 const Matrix T = twist_stiffness(G, mu, mean, pass.project);
                 double* twist = pass.twist + block * 6 * kBlock + lane;
                 for (int c = 0; c < 6; ++c) store(twist + std::size_t(c) * kBlock, T.m[kVoigtRow[c]][kVoigtColumn[c]]);
-                const Matrix RT = R * T;
-                Matrix turned;
-                for (int i = 0; i < 3; ++i)
-                    for (int j = 0; j < 3; ++j) turned.m[i][j] = RT.m[i][0] * R.m[j][0] + RT.m[i][1] * R.m[j][1] + RT.m[i][2] * R.m[j][2];
+                const Matrix turned = turn_of(R * T, R);  // R T R^T
                 if (pass.twist_f != nullptr) store_twist(pass.twist_f + at * kTwistRecord, turned, half * V);
                 if (pass.twist_d != nullptr) store_twist(pass.twist_d + at * kTwistRecord, turned, half * V);
             }

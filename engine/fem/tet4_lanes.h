@@ -11,10 +11,11 @@ namespace {
 using Vector = V3<Lanes>;
 using Matrix = M3<Lanes>;
 
-/// Values of a vertex field at the corners of the elements in some lanes of a block, as differences to corner 0.
-inline void corner_differences(const double* field, const std::int32_t* vertex, Vector d[3]) {
-    alignas(64) double c[4][3][kLanes];
-    for (int a = 0; a < 4; ++a) {
+/// Values of a vertex field at the corners of the elements in some lanes of a block, as differences to corner 0: d[corners - 1].
+template <int corners>
+inline void differences(const double* field, const std::int32_t* vertex, Vector* d) {
+    alignas(64) double c[corners][3][kLanes];
+    for (int a = 0; a < corners; ++a) {
         for (int lane = 0; lane < kLanes; ++lane) {
             const double* p = field + 3 * std::size_t(vertex[a * int(kBlock) + lane]);
             c[a][0][lane] = p[0];
@@ -23,15 +24,20 @@ inline void corner_differences(const double* field, const std::int32_t* vertex, 
         }
     }
     const Vector c0{load(c[0][0]), load(c[0][1]), load(c[0][2])};
-    for (int k = 0; k < 3; ++k) d[k] = Vector{load(c[k + 1][0]), load(c[k + 1][1]), load(c[k + 1][2])} - c0;
+    for (int k = 0; k + 1 < corners; ++k) d[k] = Vector{load(c[k + 1][0]), load(c[k + 1][1]), load(c[k + 1][2])} - c0;
 }
 
-inline void load_gradients(const double* gradient, Vector g[3]) {
-    for (int k = 0; k < 3; ++k) {
-        const double* p = gradient + std::size_t(3 * k) * kBlock;
-        g[k] = {load(p), load(p + kBlock), load(p + 2 * kBlock)};
+/// Vectors of a block, [..][x y z][lane].
+template <int count>
+inline void load_vectors(const double* from, Vector* v) {
+    for (int k = 0; k < count; ++k) {
+        const double* p = from + std::size_t(3 * k) * kBlock;
+        v[k] = {load(p), load(p + kBlock), load(p + 2 * kBlock)};
     }
 }
+
+inline void corner_differences(const double* field, const std::int32_t* vertex, Vector d[3]) { differences<4>(field, vertex, d); }
+inline void load_gradients(const double* gradient, Vector g[3]) { load_vectors<3>(gradient, g); }
 
 /// Columns: x along the first edge, z across the plane of the first two, y completes; zero columns where an edge is gone.
 inline Matrix edge_frame(const Vector& first, const Vector& second) {
@@ -41,6 +47,14 @@ inline Matrix edge_frame(const Vector& first, const Vector& second) {
     const Vector z = (one / larger(root(dot(normal, normal)), tiny)) * normal;
     const Vector y = cross(z, x);
     return {{{x.x, y.x, z.x}, {x.y, y.y, z.y}, {x.z, y.z, z.z}}};
+}
+
+/// The rotation from one frame to another, now rest^T.
+inline Matrix turn_of(const Matrix& now, const Matrix& rest) {
+    Matrix R;
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) R.m[i][j] = now.m[i][0] * rest.m[j][0] + now.m[i][1] * rest.m[j][1] + now.m[i][2] * rest.m[j][2];
+    return R;
 }
 
 /// Writes four vectors per lane as [lane][corner][x y z w]; w given for corners 0 and 1, zero for the others.

@@ -26,6 +26,14 @@ double dot(StepContext& ctx, Body& body, const std::vector<Vec3>& a, const std::
     });
 }
 
+/// The whole of dv, unsearched.
+void take_step(StepContext& ctx, Body& body) {
+    Workspace& w = body.work;
+    ctx.team.for_range(body.vertices(), kRowChunk, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) w.v0[i] += w.dv[i];
+    });
+}
+
 /// v0 = v_start + s dv.
 void move_to(StepContext& ctx, Body& body, double s) {
     Workspace& w = body.work;
@@ -77,7 +85,6 @@ NewtonPlan plan_of(const SolverDef& def) {
 /// From v0 to a solution. v0 and the element pass stand at the last iterate.
 Outcome iterate(StepContext& ctx, Watch& watch, BodyId id, Body& body, const NewtonPlan& plan, double floor) {
     const SolverDef& def = ctx.world.def.solver;
-    Workspace& w = body.work;
     const bool to_tolerance = plan.tolerance > 0;
     const std::int64_t before_ns = now_ns();
     double norm = evaluate_elements(ctx, body, def.linearise_at == LineariseAt::current && !plan.is_static);
@@ -107,15 +114,13 @@ Outcome iterate(StepContext& ctx, Watch& watch, BodyId id, Body& body, const New
         ctx.report.newton_iterations = std::max(ctx.report.newton_iterations, k + 1);
         previous = norm;
         if ((ctx.report.flags & StepFlag::budget) != StepFlag::none) {  // no time for more: what there is counts
-            w.v_start = w.v0;
-            move_to(ctx, body, 1);
+            take_step(ctx, body);
             return Outcome::converged;
         }
         if (to_tolerance) {
             norm = line_search(ctx, watch, id, body, norm);
         } else {
-            w.v_start = w.v0;
-            move_to(ctx, body, 1);
+            take_step(ctx, body);
             if (k + 1 == plan.iterations) return Outcome::converged;
             norm = evaluate_elements(ctx, body, false);
             watch.lap(ctx, Stage::elements);

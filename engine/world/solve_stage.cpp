@@ -28,7 +28,7 @@ void for_drags_of(World::Impl& world, BodyId id, Visit&& visit) {
     }
 }
 
-/// Force of a spring at the end of a step with the velocity v0 that Newton has reached: at the end of the step, wherever the elements are linearised.
+/// Force of a spring with the velocity v0 that Newton has reached: at the end of the step, wherever the elements are linearised.
 void predict(StepContext& ctx, const Body& body, Drag& drag) {
     if (drag.capped) return;
     const Vec3 v = drag.mean(body.work.v0);
@@ -117,18 +117,14 @@ bool comes_to_rest(StepContext& ctx, Body& body, double rhs_norm, double floor) 
     return false;
 }
 
-void report_residual(StepContext& ctx, const solve::LinearSolveResult& result, double scale) {
-    if (scale > 0) ctx.report.cg_relative_residual = std::max(ctx.report.cg_relative_residual, result.residual / scale);
-}
-
 void report_solve(StepContext& ctx, const solve::LinearSolveResult& result, double scale) {
     if (result.stalled) ctx.report.flags |= StepFlag::residual_stalled;
     if (result.out_of_time) {
         ctx.report.flags |= StepFlag::budget;
-        return report_residual(ctx, result, scale);
+    } else if (!result.converged && !result.stalled) {
+        ctx.report.flags |= StepFlag::iteration_cap;
     }
-    if (!result.converged && !result.stalled) ctx.report.flags |= StepFlag::iteration_cap;
-    report_residual(ctx, result, scale);
+    if (scale > 0) ctx.report.cg_relative_residual = std::max(ctx.report.cg_relative_residual, result.residual / scale);
 }
 
 }  // namespace

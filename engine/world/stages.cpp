@@ -109,6 +109,7 @@ bool integrate(StepContext& ctx, BodyId id, Body& body) {
     const Vec3 first = end(0);
     const double spread = solve::sum_over_rows(ctx.team, body.vertices(), w.partial, [&](std::size_t begin, std::size_t last) {
         double sum = 0;
+        // The second term only makes a velocity that float64 cannot square count as blown up, wherever the body is.
         for (std::size_t i = begin; i < last; ++i) sum += (end(i) - first).squaredNorm() + 1e-300 * w.v0[i].squaredNorm();
         return sum;
     });

@@ -33,8 +33,11 @@ StepReport do_step(World::Impl& world) noexcept {
     const std::int64_t start_ns = now_ns();
     std::size_t largest = 0;
     double total = 0, done = 0;
-    for (const std::uint32_t slot : world.order) total += double(world.slots[slot].body->element_count());
-    for (const std::uint32_t slot : world.order) largest = std::max(largest, world.slots[slot].body->element_count());
+    for (const std::uint32_t slot : world.order) {
+        const std::size_t elements = world.slots[slot].body->element_count();
+        total += double(elements);
+        largest = std::max(largest, elements);
+    }
 
     StepContext ctx{world.team_for(largest), world, report, double(world.step + 1) * world.def.time_step_s};
     for (const std::uint32_t slot : world.order) {
