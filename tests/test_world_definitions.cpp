@@ -268,6 +268,26 @@ TEST(WorldIds, NamesAndMessages) {
     for (const std::string& text : messages) EXPECT_EQ(text.rfind("turned: ", 0), 0u) << text;
 }
 
+TEST(WorldIds, MessagesNameWhatAMaterialWillNotDo) {
+    std::vector<std::string> messages;
+    WorldDef def;
+    def.log = [&](LogLevel, std::string_view text) { messages.emplace_back(text); };
+    def.solver.tangent = Tangent::exact;
+    World world(def);
+    const BoxDef box{.min_m = Vec3::Zero(), .max_m = Vec3::Ones(), .cells = {1, 1, 1}};
+    const auto hexes = BodyTemplate::build(make_hex_box(box)), tets = BodyTemplate::build(make_tet_box(box));
+    world.add_body({.shape = hexes, .material = Linear{}});
+    world.add_body({.shape = tets, .material = Corotational{}});
+    world.add_body({.shape = tets, .material = Corotational{.poisson = 0.49, .volumetric = Volumetric::nodal}});
+    EXPECT_TRUE(messages.empty());
+    world.add_body({.shape = hexes, .material = Corotational{.poisson = 0.49}});
+    ASSERT_EQ(messages.size(), 1u);
+    EXPECT_NE(messages[0].find("warped"), std::string::npos) << messages[0];
+    world.add_body({.shape = tets, .poisson_per_element = std::vector<double>(6, 0.49)});
+    ASSERT_EQ(messages.size(), 2u);
+    EXPECT_NE(messages[1].find("nodal"), std::string::npos) << messages[1];
+}
+
 TEST(WorldIds, AWorldCanBeMoved) {
     World first;
     const BodyId body = first.add_body({.shape = test::unit_tet()});

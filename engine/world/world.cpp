@@ -42,23 +42,25 @@ void check(const WorldDef& def) {
 }
 
 /// Of the first nearly incompressible material of a body.
-void warn_of_locking(const WorldDef& world, const Body& body) {
-    if (!world.log || body.data().mesh.tets.empty()) return;
-    const auto locks = [&](const Material& material) {
+/// What the body's materials will not do as their names promise, a sentence each.
+void warn_of_materials(const WorldDef& world, const Body& body) {
+    if (!world.log) return;
+    const VolumeMesh& mesh = body.data().mesh;
+    const std::vector<Material>& materials = body.materials.materials;
+    const auto locks = [](const Material& material) {
         const Lame lame = small_strain(material);
-        const double poisson = lame.lambda_pa / (2 * (lame.lambda_pa + lame.mu_pa));
-        if (!(poisson > 0.48 + 1e-9) || volumetric_of(material) == Volumetric::nodal) return false;
-        world.log(LogLevel::warning, body.name + ": Poisson's ratio " + to_text(poisson) +
-                                         " above 0.48 locks linear tetrahedra: they bend too little; " +
-                                         (is_hyperelastic(material) ? "use hexahedra" : "set the material's volumetric to \"nodal\""));
-        return true;
+        return lame.lambda_pa / (2 * (lame.lambda_pa + lame.mu_pa)) > 0.48 + 1e-9 && volumetric_of(material) == Volumetric::element;
     };
-    if (locks(body.def.material)) return;
-    for (const MaterialRegion& region : body.def.regions) {
-        if (region.material && locks(*region.material)) return;
+    const auto locking = std::find_if(materials.begin(), materials.end(), locks);
+    if (!mesh.tets.empty() && locking != materials.end()) {
+        const Lame lame = small_strain(*locking);
+        world.log(LogLevel::warning, body.name + ": Poisson's ratio " + to_text(lame.lambda_pa / (2 * (lame.lambda_pa + lame.mu_pa))) +
+                                         " above 0.48 locks linear tetrahedra: they bend too little; " +
+                                         (is_hyperelastic(*locking) ? "use hexahedra" : "set the material's volumetric to \"nodal\""));
     }
-    for (const Material& material : body.def.material_per_element) {
-        if (locks(material)) return;
+    const auto turns = [](const Material& material) { return std::holds_alternative<Corotational>(material); };
+    if (!mesh.hexes.empty() && world.solver.tangent == Tangent::exact && std::any_of(materials.begin(), materials.end(), turns)) {
+        world.log(LogLevel::warning, body.name + ": corotational hexahedra have no exact tangent and take the warped one: the same equilibrium, in more Newton iterations");
     }
 }
 
@@ -93,7 +95,7 @@ BodyId World::add_body(const BodyDef& def) {
     if (w.def.log) {
         for (const std::string& sentence : body->data().report.sentences()) w.def.log(LogLevel::warning, body->name + ": " + sentence);
     }
-    warn_of_locking(w.def, *body);
+    warn_of_materials(w.def, *body);
     if (!w.crew && w.threads > 1 && body->element_count() >= kMinElementsForThreads) w.crew = std::make_unique<Team>(w.threads);
     if (slot == w.slots.size()) w.slots.emplace_back();
     w.slots[slot].body = std::move(body);
@@ -152,7 +154,7 @@ void World::set_material(BodyId id, const Material& material) {
     def.young_pa_per_element.clear();
     def.poisson_per_element.clear();
     apply_materials(body, def, impl_->def, impl_->isa);
-    warn_of_locking(impl_->def, body);
+    warn_of_materials(impl_->def, body);
 }
 
 void World::set_regions(BodyId id, std::vector<MaterialRegion> regions) {
@@ -160,7 +162,7 @@ void World::set_regions(BodyId id, std::vector<MaterialRegion> regions) {
     BodyDef def = body.def;
     def.regions = std::move(regions);
     apply_materials(body, def, impl_->def, impl_->isa);
-    warn_of_locking(impl_->def, body);
+    warn_of_materials(impl_->def, body);
 }
 
 void World::set_stiffness_factor(BodyId id, std::span<const double> per_element) {
