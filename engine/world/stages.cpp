@@ -45,6 +45,7 @@ double evaluate_elements(StepContext& ctx, Body& body, bool at_current) {
     outputs.corner_force = w.corner.data();
     outputs.plastic = plastic_strain(body);
     outputs.tangent = true;
+    outputs.project = w.project;
     body.elements->evaluate(ctx.team, w.y.data()->data(), s.quaternion.data(), outputs);
     ctx.team.for_range(body.vertices(), kRowChunk, [&](std::size_t begin, std::size_t end) {
         fem::gather_corners(body.layout().corners, w.corner.data(), begin, end, w.b.data());

@@ -35,9 +35,12 @@ double resting_residual(StepContext& ctx, Body& body);
 double residual_with_drags(StepContext& ctx, BodyId id, Body& body);
 /// What a static residual is compared with: the loads, or the reactions where they are larger (times h).
 double static_scale(StepContext& ctx, Body& body);
-/// Drag springs and dv, to `tolerance` of the right-hand side. False if the solution is not finite.
+/// Norm over free coordinates that rounding alone leaves of a right-hand side in balance: of what its forces are the sum, and of the positions they are made from.
+double rounding_residual(StepContext& ctx, Body& body);
+enum class Solved { yes, not_finite, indefinite };
+/// Drag springs and dv, to `tolerance` of the right-hand side. A tangent that was not projected (work.project) may turn out to be indefinite.
 /// @param first  of the step: with warm starts, and remembered by the choice of preconditioner
-bool solve_system(StepContext& ctx, BodyId id, Body& body, double floor, double tolerance, bool first);
+Solved solve_system(StepContext& ctx, BodyId id, Body& body, double floor, double tolerance, bool first);
 /// The new state, if it is finite; if not, false and nothing has changed.
 bool integrate(StepContext& ctx, BodyId id, Body& body);
 /// The body stays where the step found it, takes no further part, and is reported.
