@@ -128,7 +128,8 @@ Outcome iterate(StepContext& ctx, Watch& watch, BodyId id, Body& body, const New
             }
         }
         const double tolerance = to_tolerance ? std::clamp(eta, def.cg_relative_tolerance, 0.1) : def.cg_relative_tolerance;
-        const bool exact = to_tolerance && (k > 0 || plan.is_static) && wait-- <= 0;
+        // Rayleigh's damping has the stiffness in its force: there the tangent must stay of one kind.
+        const bool exact = to_tolerance && (plan.is_static || (k > 0 && def.rayleigh_stiffness_s == 0)) && wait-- <= 0;
         Solved solved = solve_linearised(ctx, watch, id, body, !exact, floor, tolerance, k == 0);
         if (solved == Solved::indefinite) {
             wait = next_wait;
@@ -181,7 +182,7 @@ bool follow_supports(StepContext& ctx, Watch& watch, BodyId id, Body& body, doub
     const auto linearised = [&](bool project) {
         w.project = project;
         if (!(evaluate_elements(ctx, body, false) < kOverflow)) return Solved::not_finite;
-        stiffness_product(ctx, body, w.jump);
+        tangent_product(ctx, body, w.jump);
         const double scale = stiffness_scale(ctx, body);
         for (std::size_t i = 0; i < body.vertices(); ++i) w.b[i] -= scale * w.product[i];
         assemble(ctx, body);

@@ -68,7 +68,7 @@ bool cap_drags(StepContext& ctx, BodyId id, Body& body) {
 void true_residual(StepContext& ctx, Body& body, Vec3* r) {
     const double mass = mass_scale(ctx, body), stiffness = stiffness_scale(ctx, body), inv_h = 1 / body.work.h;
     Workspace& w = body.work;
-    stiffness_product(ctx, body, w.dv);
+    tangent_product(ctx, body, w.dv);
     ctx.team.for_range(body.vertices(), kRowChunk, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) r[i] = w.rhs[i] - mass * body.mass[i] * w.dv[i] - stiffness * w.product[i];
     });
@@ -146,16 +146,11 @@ double static_scale(StepContext& ctx, Body& body) {
 double rounding_residual(StepContext& ctx, Body& body) {
     constexpr double kEpsilon = 2.3e-16;
     Workspace& w = body.work;
-    const fem::CornerMap& corners = body.layout().corners;
     const bool inertia = !is_static(ctx);
     return kEpsilon * std::sqrt(solve::sum_over_rows(ctx.team, body.vertices(), w.partial, [&](std::size_t begin, std::size_t end) {
                double sum = 0;
                for (std::size_t i = begin; i < end; ++i) {
                    Vec3 size = w.f_ext[i].cwiseAbs() + body.stiffness_trace[i] * w.y[i].cwiseAbs();
-                   for (std::int64_t k = corners.start[i]; k < corners.start[i + 1]; ++k) {
-                       const double* force = w.corner.data() + std::size_t(corners.corner[std::size_t(k)]) * 4;
-                       for (int c = 0; c < 3; ++c) size[c] += std::abs(force[c]);
-                   }
                    size *= w.h;
                    if (inertia) size += body.mass[i] * (w.v0[i].cwiseAbs() + w.base_v[i].cwiseAbs());
                    sum += free_part(body, i, size).squaredNorm();
