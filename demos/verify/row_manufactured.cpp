@@ -52,7 +52,7 @@ void manufactured(Table& table, const Settings& settings) {
     for (NamedLaw& law : laws)
         if (law.name == "Ogden") law.material = Ogden{.terms = {{800, 2}, {1200, 4}}, .bulk_pa = kBulk};  // exponents that the closed form here can take
     for (const Kind kind : element_kinds()) {
-        std::vector<NamedLaw> with = with_costa(laws, kind);
+        std::vector<NamedLaw> with = with_costa(laws);
         if (auto* costa = std::get_if<Costa>(&with.back().material)) costa->bulk_pa = kBulk - 2000.0 / 3;  // its K acts as Lame's lambda
         for (const NamedLaw& law : with) {
             const FieldErrors coarse = errors(kind, 8, law.material, settings), fine = errors(kind, 16, law.material, settings);
