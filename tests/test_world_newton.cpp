@@ -63,7 +63,6 @@ TEST(Newton, EndsQuadraticallyWhereProjectionsAreActive) {
                         EXPECT_LT(free, 1e-10 * held);
                     }
                 }
-                std::printf("law %zu %s %d: %d %d\n", m.index(), shape->mesh().hexes.empty() ? "tets" : "hexes", int(kind), iterations[0], iterations[1]);
                 EXPECT_LE(iterations[1], iterations[0] + 3) << "law " << m.index() << ": seven digits more";
                 EXPECT_LE(iterations[1], 20) << "law " << m.index();
             }
@@ -87,7 +86,6 @@ TEST(Newton, BeyondAnUnstableTangentItFindsTheStableEquilibrium) {
             EXPECT_EQ(report.flags, StepFlag::none) << name(report.flags);
             double bow = 0;
             for (const Vec3& x : world.positions(body)) bow = std::max(bow, x.y());
-            std::printf("law %zu kind %d bow %g iterations %d\n", m.index(), int(kind), bow, sum);
             EXPECT_GT(bow, 0.06);
         }
     }
@@ -103,7 +101,6 @@ TEST(Newton, SupportsThatMoveMoreThanACellTakeTheBodyAlong) {
             world.prescribe(body, turned_end(0, 0.06));  // two and a half cells
             const StepReport report = world.step();
             EXPECT_EQ(report.flags, StepFlag::none) << "law " << m.index() << " " << name(report.flags);
-            std::printf("law %zu: %d\n", m.index(), report.newton_iterations);
             EXPECT_LE(report.newton_iterations, 15) << "law " << m.index();
         }
     }
@@ -120,7 +117,6 @@ TEST(Newton, AToleranceBelowRoundingIsMetAsFarAsRoundingAllows) {
                 world.fix(body, test::at_x(0));
                 const StepReport report = world.step();
                 EXPECT_EQ(report.flags, StepFlag::none) << "law " << m.index() << " " << name(report.flags);
-                std::printf("law %zu far %g: %d\n", m.index(), far, report.newton_iterations);
                 EXPECT_LE(report.newton_iterations, 40);
                 const StepReport again = world.step();
                 EXPECT_EQ(again.flags, StepFlag::none) << "law " << m.index();
@@ -133,9 +129,9 @@ TEST(Newton, AToleranceBelowRoundingIsMetAsFarAsRoundingAllows) {
 TEST(Newton, AnUnbalanceAboveRoundingIsNotTakenForIt) {
     WorldDef def = resting(1e-12);
     def.gravity_m_s2 = Vec3(0, -1, 0);
-    def.solver.newton_iterations = 2;  // not enough
+    def.solver.newton_iterations = 1;  // not enough, however small the parts
     World world(def);
-    const BodyId body = world.add_body({.shape = test::bar({8, 2, 2}), .material = Corotational{.young_pa = 1e4}});
+    const BodyId body = world.add_body({.shape = test::bar({8, 2, 2}), .material = NeoHookean{1e4, 4e4}});
     world.fix(body, test::at_x(0));
     EXPECT_EQ(world.step().flags & StepFlag::no_equilibrium, StepFlag::no_equilibrium);
 }
@@ -163,7 +159,6 @@ TEST(Newton, ABodyAtRestMeetsItsToleranceAtOnce) {
                         if (report.flags != StepFlag::none) ++capped;
                         last = report.newton_iterations;
                     }
-                    if (capped) std::printf("law %zu g %g cg %g: capped %d last %d\n", m.index(), gravity, cg, capped, last);
                     EXPECT_EQ(capped, 0);
                     EXPECT_LE(last, 3);
                 }
@@ -273,7 +268,6 @@ TEST(FollowerPressure, NewtonEndsQuadraticallyUnderIt) {
         for (const Vec3& x : world.positions(body)) grown = std::max(grown, x.z() - 0.4);
         EXPECT_GT(grown, 0.02);
     }
-    std::printf("%d %d\n", iterations[0], iterations[1]);
     EXPECT_LE(iterations[1], iterations[0] + 2);
 }
 
