@@ -201,7 +201,7 @@ Computed run(const BodyTemplate& shape, const fem::ElementMaterials& materials, 
     fem::ElementOutputs outputs{nullptr, r.corner.data(), r.energy.data(), r.stress.data(), true};
     elements->evaluate(team, x.data()->data(), r.quaternion.data(), outputs);
     r.force.resize(layout.vertices);
-    fem::gather_corners(layout.corners, r.corner.data(), 0, layout.vertices, r.force.data());
+    fem::gather_places(layout.forces, r.corner.data(), 0, layout.vertices, r.force.data());
     r.product.resize(layout.vertices);
     fem::stiffness_product(team, *elements, layout, r.quaternion.data(), field, r.corner, r.product);
     AlignedVector<Real> value(data.pattern.blocks() * 12, Real(77));
@@ -427,12 +427,12 @@ struct Strained {
         if (flow_s > 0) elements->flow(alone, x.data()->data(), q.data(), plastic.data(), flow_s);
         fem::ElementOutputs outputs;
         outputs.plastic = plastic.data();
-        outputs.corner_force = corner.data();
+        outputs.force = corner.data();
         outputs.energy = energies.data();
         outputs.stress = stress.data();
         elements->evaluate(alone, x.data()->data(), q.data(), outputs);
         force.resize(x.size());
-        fem::gather(alone, layout.corners, corner, force);
+        fem::gather(alone, layout.forces, corner, force);
         for (const double w : energies) energy += w;
     }
 };

@@ -98,16 +98,7 @@ inline Vector turned_back(const Matrix& R, const Vector& v) {  // R^T v
 
 template <class Real>
 inline void store_record(const Matrix& R, Lanes scale, Real* out) {
-    alignas(64) double s[10][kLanes];
-    for (int i = 0; i < 9; ++i) store(s[i], R.m[i % 3][i / 3]);
-    store(s[9], scale);
-    for (int lane = 0; lane < kLanes; ++lane) {
-        Real* to = out + std::size_t(lane) * kHexRecord;
-        for (int j = 0; j < 3; ++j) {
-            for (int i = 0; i < 3; ++i) to[4 * j + i] = Real(s[3 * j + i][lane]);
-            to[4 * j + 3] = j == 0 ? Real(s[9][lane]) : Real(0);
-        }
-    }
+    for (int j = 0; j < 3; ++j) store_points(out + 4 * j, kHexRecord, R.m[0][j], R.m[1][j], R.m[2][j], j == 0 ? scale : Lanes(0.0));
 }
 
 /// R (2 mu (e - e_p) + lambda tr(e) I) R^T, e = sym(G) - I.
@@ -134,20 +125,15 @@ inline Lanes plastic_energy(const Matrix& G, const Matrix& plastic, Lanes two_mu
 
 template <class Real>
 inline void store_hex_twist(const Matrix& R, const Vector b[7], const Matrix& X, Real* out) {
-    alignas(64) double s[kHexTwist][kLanes];
     Vector turned[8];
     for (int a = 0; a < 7; ++a) turned[a + 1] = R * b[a];
     turned[0] = turned[1];
     for (int a = 2; a < 8; ++a) turned[0] = turned[0] + turned[a];
     turned[0] = Lanes(-1.0) * turned[0];
     for (int a = 0; a < 8; ++a) {
-        store(s[4 * a], turned[a].x);
-        store(s[4 * a + 1], turned[a].y);
-        store(s[4 * a + 2], turned[a].z);
-        store(s[4 * a + 3], a < 6 ? X.m[kVoigtRow[a]][kVoigtColumn[a]] : Lanes(0.0));
+        const Lanes fourth = a < 6 ? X.m[kVoigtRow[a]][kVoigtColumn[a]] : Lanes(0.0);
+        store_points(out + 4 * a, kHexTwist, turned[a].x, turned[a].y, turned[a].z, fourth);
     }
-    for (int lane = 0; lane < kLanes; ++lane)
-        for (std::size_t n = 0; n < kHexTwist; ++n) out[std::size_t(lane) * kHexTwist + n] = Real(s[n][lane]);
 }
 
 /// The twist stiffness of the mean strain.

@@ -57,11 +57,11 @@ public:
         pass.stiffness = view();
         pass.position = position;
         pass.quaternion = quaternion;
-        pass.corner_force = outputs.corner_force;
+        pass.corner_force = outputs.force;
         pass.energy = outputs.energy;
         pass.stress = outputs.stress;
         pass.plastic = outputs.plastic;
-        pass.project = def_.project && outputs.project;
+        pass.project = def_.project;
         const auto give = [&](auto& array) { return outputs.tangent && !array.empty() ? array.data() : nullptr; };
         pass.record_f = give(record_f_);
         pass.record_d = give(record_d_);
@@ -157,7 +157,7 @@ public:
         pass.position = position;
         pass.project = def_.project;
         pass.quaternion = quaternion;
-        pass.corner_force = outputs.corner_force;
+        pass.corner_force = outputs.force;
         pass.energy = outputs.energy;
         pass.stress = outputs.stress;
         if (outputs.tangent) {
