@@ -93,7 +93,7 @@ struct ElementsDef {
     MatrixPrecision precision = MatrixPrecision::none;
     Isa isa = Isa::scalar;
     bool project = true;                       ///< tangent made positive semidefinite; of hyperelastic laws where matrix_regularization says so
-    bool exact_rotation = false;               ///< corotational tets, polar or svd: the tangent has the rotation's derivative
+    bool exact_rotation = false;               ///< corotational, polar or svd: the tangent has the rotation's derivative (of hexes that of their mean strain)
 };
 
 /// @error Error(invalid_argument) for a hexahedron whose map is folded at an integration point
