@@ -155,7 +155,7 @@ public:
         pass.fibre = parameters_.fibre.data();
         pass.families = parameters_.families;
         pass.position = position;
-        pass.project = def_.project;
+        pass.project = def_.project && outputs.project;
         pass.quaternion = quaternion;
         pass.corner_force = outputs.force;
         pass.energy = outputs.energy;
