@@ -213,5 +213,53 @@ TEST(IoExport, MeshioReadsWhatWeWrite) {
     EXPECT_EQ(std::system((python + " " + (folder / "check.py").string()).c_str()), 0);
 }
 
+TEST(IoExport, WeReadWhatMeshioWrites) {
+    std::string python;
+    if (!python_with("meshio", python)) return;
+    const test::TemporaryFolder folder;
+    struct Row {
+        const char *file, *options;
+        bool hexes;
+    };
+    const Row rows[] = {{"gmsh22_ascii.msh", "file_format='gmsh22', binary=False", true}, {"gmsh22.msh", "file_format='gmsh22', binary=True", true},
+                        {"gmsh41_ascii.msh", "file_format='gmsh', binary=False", true},   {"gmsh41.msh", "file_format='gmsh', binary=True", true},
+                        {"ascii.vtk", "binary=False", true},                              {"binary.vtk", "binary=True", true},
+                        {"ascii.vtu", "binary=False", true},                              {"zlib.vtu", "compression='zlib'", true},
+                        {"plain.vtu", "compression=None", true},                          {"a.mesh", "", true},
+                        {"a.inp", "", true},                                              {"a.node", "", false}};
+    std::string program =
+        "import meshio, numpy as np\n"
+        "p = np.array([[0,0,0],[1,0,0],[1,1,0],[0,1,0],[0,0,1],[1,0,1],[1,1,1],[0,1,1],[0.1,0.2,3]])\n"
+        "t = ('tetra', np.array([[4,5,6,8],[4,6,7,8]]))\nh = ('hexahedron', np.array([[0,1,2,3,4,5,6,7]]))\n";
+    for (const Row& row : rows) {
+        const std::string cells = row.hexes ? "[t, h]" : "[t]";
+        const std::string data = row.hexes ? "[np.array([7, 8]), np.array([9])]" : "[np.array([7, 8])]";
+        const std::string tags = std::string(row.file).find("msh") != std::string::npos
+                                     ? ", cell_data={'gmsh:physical': " + data + ", 'gmsh:geometrical': " + data + "}"
+                                 : std::string(row.file) == "a.mesh" || std::string(row.file).find(".vt") != std::string::npos
+                                     ? ", cell_data={'medit:ref': " + data + "}"
+                                     : "";
+        program += "meshio.write('" + (folder / row.file).string() + "', meshio.Mesh(p, " + cells + tags + ")" +
+                   (*row.options ? std::string(", ") + row.options : "") + ")\n";
+    }
+    write_text_file(folder / "write.py", program);
+    ASSERT_EQ(std::system((python + " " + (folder / "write.py").string() + " 2>/dev/null").c_str()), 0);
+    for (const Row& row : rows) {
+        SCOPED_TRACE(row.file);
+        const VolumeMesh mesh = read_mesh(folder / row.file);
+        EXPECT_EQ(mesh.vertices.size(), 9u);
+        EXPECT_EQ(mesh.vertices[8], Vec3(0.1, 0.2, 3));
+        EXPECT_EQ(mesh.tets, (std::vector<Tet>{{4, 5, 6, 8}, {4, 6, 7, 8}}));
+        if (row.hexes) {
+            EXPECT_EQ(mesh.hexes, (std::vector<Hex>{{0, 1, 2, 3, 4, 5, 6, 7}}));
+        }
+        const std::string name(row.file);
+        if (name == "a.inp" || name == "a.node") continue;
+        ASSERT_EQ(mesh.element_region.size(), 3u);
+        EXPECT_EQ(mesh.regions[std::size_t(mesh.element_region[1])].tag, 8);
+        EXPECT_EQ(mesh.regions[std::size_t(mesh.element_region[2])].tag, 9);
+    }
+}
+
 }  // namespace
 }  // namespace supple::io

@@ -104,7 +104,7 @@ TEST(IoVega, ErrorsNameTheLine) {
         SCOPED_TRACE(to);
         expect_error(code, where, words, [&] { vega(replaced(kVega, from, to)); });
     };
-    refuse("5 3 0 0", "6 3 0 0", "m.veg:1", {"1 vertices are missing"});
+    refuse("5 3 0 0", "6 3 0 0", "m.veg:27", {"1 vertices are missing"});
     refuse("5 3 0 0", "4 3 0 0", "m.veg:8", {"more vertices"});
     refuse("5 3 0 0", "-1 3 0 0", "m.veg:3", {"negative"});
     refuse("TET", "WEDGE", "m.veg:11", {"WEDGE"}, ErrorCode::unsupported);
@@ -162,9 +162,9 @@ TEST(IoAbaqus, ErrorsNameTheLine) {
     refuse("1, 7, 2", "1, 7, 0", "m.inp:24", {"positive"});
     refuse("held, 8,", "hold, 8,", "m.inp:26", {"\"hold\""});
     refuse("*HEADING", "*PART, NAME=a\n*END PART\n*PART, NAME=b", "m.inp:4", {"second *PART", "flat"}, ErrorCode::unsupported);
-    refuse("*STEP", "*INSTANCE, NAME=a, PART=b\n0, 0, 1.\n*STEP", "m.inp:34", {"instance is moved"}, ErrorCode::unsupported);
+    refuse("*STEP", "*INSTANCE, NAME=a, PART=b\n0, 0, 1.\n*STEP", "m.inp:35", {"instance is moved"}, ErrorCode::unsupported);
     refuse("*NODE, NSET=Nall", "*NODE, SYSTEM=C", "m.inp:4", {"cylindrical"}, ErrorCode::unsupported);
-    refuse("*STEP", "*NGEN\n1, 7, 2\n*STEP", "m.inp:33", {"*ngen"}, ErrorCode::unsupported);
+    refuse("*STEP", "*NGEN\n1, 7, 2\n*STEP", "m.inp:34", {"*ngen"}, ErrorCode::unsupported);
 }
 
 TEST(IoKeywordFiles, OnlyErrorsEscapeFromMutatedFiles) {

@@ -61,8 +61,9 @@ TEST(IoMeshFile, SurfaceFormatsAreKnownByContentWhateverTheirEnding) {
     refuse("ply\nformat ascii 1.0\n", "a.msh", "PLY");
     refuse("solid cube\nfacet normal 0 0 1\n", "a.msh", "STL");
     refuse(std::string(80, '\x07') + std::string("\x01\0\0\0", 4) + std::string(50, '\0'), "a.msh", "STL");
-    refuse("solid but binary" + std::string(64, ' ') + std::string("\x01\0\0\0", 4) + std::string(50, '\0'), "a.msh", "binary STL");
+    refuse("solid but binary" + std::string(64, ' ') + std::string("\x01\0\0\0", 4) + std::string(50, '\0'), "a.msh", "STL");
     refuse("glTF\x02", "a.msh", "glTF");
+    refuse("SOLID cube\nFACET NORMAL 0 0 1\n", "a.msh", "STL");
     refuse("\x01\x02\x03", "a.FBX", "FBX");
     refuse("4 3 0 0\n", "a.poly", "TetGen");
 }
