@@ -30,6 +30,7 @@ struct ElementOutputs {
     double* energy = nullptr;
     double* stress = nullptr;
     bool tangent = false;  ///< keep what product() and assemble() need
+    bool project = true;   ///< where ElementsDef::project says so, too; false: the derivative as it is, which may be indefinite
 };
 
 /// Which matrix precision a set of elements prepares for.
