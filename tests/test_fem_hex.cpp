@@ -427,12 +427,12 @@ struct Strained {
         if (flow_s > 0) elements->flow(alone, x.data()->data(), q.data(), plastic.data(), flow_s);
         fem::ElementOutputs outputs;
         outputs.plastic = plastic.data();
-        outputs.corner_force = corner.data();
+        outputs.force = corner.data();
         outputs.energy = energies.data();
         outputs.stress = stress.data();
         elements->evaluate(alone, x.data()->data(), q.data(), outputs);
         force.resize(x.size());
-        fem::gather(alone, layout.corners, corner, force);
+        fem::gather(alone, layout.forces, corner, force);
         for (const double w : energies) energy += w;
     }
 };

@@ -98,16 +98,7 @@ inline Vector turned_back(const Matrix& R, const Vector& v) {  // R^T v
 
 template <class Real>
 inline void store_record(const Matrix& R, Lanes scale, Real* out) {
-    alignas(64) double s[10][kLanes];
-    for (int i = 0; i < 9; ++i) store(s[i], R.m[i % 3][i / 3]);
-    store(s[9], scale);
-    for (int lane = 0; lane < kLanes; ++lane) {
-        Real* to = out + std::size_t(lane) * kHexRecord;
-        for (int j = 0; j < 3; ++j) {
-            for (int i = 0; i < 3; ++i) to[4 * j + i] = Real(s[3 * j + i][lane]);
-            to[4 * j + 3] = j == 0 ? Real(s[9][lane]) : Real(0);
-        }
-    }
+    for (int j = 0; j < 3; ++j) store_points(out + 4 * j, kHexRecord, R.m[0][j], R.m[1][j], R.m[2][j], j == 0 ? scale : Lanes(0.0));
 }
 
 /// R (2 mu (e - e_p) + lambda tr(e) I) R^T, e = sym(G) - I.

@@ -65,8 +65,7 @@ struct Corotational {
 enum class Tangent {
     automatic,  ///< in a World exact for the static integrator, warped for the others; in force_differential() warped
     warped,     ///< R K R^T, the rotation held: always positive definite, cheapest; one iteration of it is as good at small strain
-    exact,      ///< with the derivative of the rotation, its three twist modes kept from going negative: Newton converges at its own rate.
-                ///< Of a hexahedron the rotation's part is that of its mean strain (fem/hex8_kernels_impl.h)
+    exact,      ///< with the derivative of the rotation, its three twist modes kept from going negative: Newton converges at its own rate
 };
 
 // -- hyperelastic laws; energies, sources and inversion: material/laws/<law>.h ---------------------------
