@@ -76,7 +76,8 @@ struct WorldDef {
 
 /// A part of a body whose matter differs. Regions apply in their order.
 struct MaterialRegion {
-    Selection where{};                    ///< the elements whose vertices are all selected; at least one
+    Selection where{};                    ///< selects at least one element
+    ElementRule rule = ElementRule::all_vertices;  ///< which elements these are
     std::optional<Material> material{};   ///< in place of the body's, of any law; empty: only the factor and the density change
     double stiffness_factor = 1;          ///< multiplies every modulus of the elements, > 0; those of several regions multiply
     double density_kg_m3 = 0;             ///< > 0; 0 keeps the body's
