@@ -50,7 +50,7 @@ int convert(const MeshOptions& o) {
     VolumeMesh mesh = io::read_mesh(o.in);
     for (const std::string& sentence : check_and_repair(mesh).sentences()) std::fprintf(stderr, "supple: %s: %s\n", o.in.c_str(), sentence.c_str());
     for (Vec3& x : mesh.vertices) x *= o.scale;
-    io::write_gmsh(o.out, mesh);
+    io::write_mesh(o.out, mesh);
     return kAllWell;
 }
 

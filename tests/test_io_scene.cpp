@@ -108,7 +108,7 @@ TEST(IoScene, MeshPathsAreRelativeToTheSceneAndShared) {
     mesh.regions = {{"soft", 4}};
     mesh.element_region = {0, 0, -1, -1, -1, -1};
     mesh.groups = {{"ligament", {0, 1}}};
-    write_gmsh(folder / "meshes/a.msh", mesh);
+    write_mesh(folder / "meshes/a.msh", mesh);
     write_text_file(folder / "s.json", R"({"supple_scene": 1, "bodies": [
         {"mesh": "meshes/a.msh", "fixed": [{"group": "ligament"}], "regions": [{"group": "soft", "stiffness_factor": 0.5}]},
         {"mesh": "meshes/../meshes/a.msh", "fixed": [{"selection": {"group": "soft"}}]},
@@ -427,7 +427,7 @@ TEST(IoScene, MistakesInMeshesNameBothPlaces) {
     const test::TemporaryFolder folder;
     write_text_file(folder / "surface.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
     write_text_file(folder / "broken.msh", "$NOD\n1\n1 0 0 zero\n$ENDNOD\n$ELM\n0\n$ENDELM\n");
-    write_gmsh(folder / "hexes.msh", make_hex_box({}));
+    write_mesh(folder / "hexes.msh", make_hex_box({}));
     const auto scene_of = [&](const char* mesh) { return std::string(R"({"supple_scene": 1, "bodies": [{"mesh": ")") + mesh + "\"}]}"; };
     const auto refuse = [&](ErrorCode code, const char* mesh, const std::vector<std::string>& words) {
         expect_error(code, "s.json:/bodies/0/mesh", words, [&] { parse_scene(scene_of(mesh), folder.path(), "s.json"); });
@@ -436,7 +436,7 @@ TEST(IoScene, MistakesInMeshesNameBothPlaces) {
     refuse(ErrorCode::parse, "broken.msh", {"broken.msh:3", "zero"});
     VolumeMesh folded = make_hex_box({});
     std::swap(folded.vertices[6], folded.vertices[7]);
-    write_gmsh(folder / "folded.msh", folded);
+    write_mesh(folder / "folded.msh", folded);
     refuse(ErrorCode::invalid_argument, "folded.msh", {"folded.msh", "hex 0", "Jacobian"});
     EXPECT_EQ(parse_scene(scene_of("hexes.msh"), folder.path(), "s.json").bodies.at(0).def.shape->mesh().hexes.size(), 1u);
 }
