@@ -185,8 +185,10 @@ std::vector<std::string> CookReport::sentences() const {
     if (was_inside_out) out.push_back("the surface was inside out (clockwise from outside); it has been turned");
     const double ratio = region_volume_m3 > 0 ? volume_m3 / region_volume_m3 : 1;
     if (std::abs(ratio - 1) > 0.02) {
-        std::snprintf(text, sizeof text, "the elements hold %.1f %% of the volume inside of the surface: parts thinner than about %.3g m are lost or closed; give more elements or a shorter edge",
-                      100 * ratio, edge_m);
+        // What is lost goes about as the square of the edge where the surface is curved, and slower where thin parts vanish.
+        const double shorter = edge_m * std::min(0.9, 0.9 * std::sqrt(0.02 / std::abs(ratio - 1)));
+        std::snprintf(text, sizeof text, "the elements hold %.1f %% of the volume inside of the surface: parts thinner than about %.2g m are lost or closed; try --edge-length %.2g",
+                      100 * ratio, edge_m, shorter);
         out.emplace_back(text);
     }
     if (dropped_tets > 0) out.push_back(std::to_string(dropped_tets) + " tets in crumbs of less than 1/1000 of the volume were left out");

@@ -36,6 +36,8 @@ public:
     std::span<const std::int32_t> vertices() const { return vertex_; }
     std::span<const double> weights() const { return weight_; }
 
+    std::span<const Vec3> gradients() const { return gradient_; }  ///< of the weights by rest position, per point and corner [1/m]
+
     /// Points [m] for positions of the mesh's vertices [m]. out has size() entries.
     void deform(std::span<const Vec3> positions, std::span<Vec3> out) const;
 
@@ -52,7 +54,7 @@ private:
     std::size_t corners_ = 4;
     std::vector<std::int32_t> element_, vertex_;
     std::vector<double> weight_;
-    std::vector<Vec3> gradient_;  ///< of the weights by rest position, per point and corner [1/m]
+    std::vector<Vec3> gradient_;
     Report report_;
 };
 

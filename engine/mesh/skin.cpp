@@ -53,6 +53,20 @@ mesh::TriangleMesh weld(const mesh::TriangleMesh& surface) {
     return out;
 }
 
+std::vector<Vec3> vertex_normals(const mesh::TriangleMesh& surface) {
+    std::vector<Vec3> normals(surface.vertices.size(), Vec3::Zero());
+    for (const Triangle& t : surface.triangles) {
+        const auto X = [&](std::size_t a) -> const Vec3& { return surface.vertices[std::size_t(t[a])]; };
+        const Vec3 area = (X(1) - X(0)).cross(X(2) - X(0));
+        for (const std::int32_t v : t) normals[std::size_t(v)] += area;
+    }
+    for (Vec3& n : normals) {
+        const double length = n.norm();
+        n = length > 0 ? Vec3(n / length) : Vec3(0, 0, 1);
+    }
+    return normals;
+}
+
 Skin::Skin(mesh::TriangleMesh surface, const VolumeMesh& mesh)
     : surface_(std::move(surface)), embedding_(mesh, surface_.vertices), mesh_vertices_(mesh.vertices.size()) {}
 

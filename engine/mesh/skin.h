@@ -24,6 +24,9 @@ private:
     std::size_t mesh_vertices_;
 };
 
+/// Unit normals of the vertices: the mean of their triangles' by area; +z where there is none.
+std::vector<Vec3> vertex_normals(const mesh::TriangleMesh& surface);
+
 /// Makes points at the very same place one and drops degenerate triangles (a repeated vertex, or no area) and unused points. Order is kept.
 mesh::TriangleMesh weld(const mesh::TriangleMesh& surface);
 
