@@ -185,7 +185,8 @@ TEST(IoGmsh, EveryErrorNamesTheLine) {
     refuse(kGmsh2, "3 4 2 6 1 1 2 3 4", "3 6 2 6 1 1 2 3 4 5 1", "m.msh:26", {"6-node prism", "tetrahedra"}, ErrorCode::unsupported);
     refuse(kGmsh2, "3 4 2 6 1 1 2 3 4", "3 77 2 6 1 1 2 3 4", "m.msh:26", {"type 77"}, ErrorCode::unsupported);
     refuse(kGmsh2, "3 0 1 0\n", "2 0 1 0\n", "m.msh:18", {"node 2", "second time"});
-    refuse(kGmsh2, "2.2 0 8", "2.2 1 8", "m.msh:2", {"binary", "ASCII"}, ErrorCode::unsupported);
+    refuse(kGmsh2, "2.2 0 8", "2.2 1 8", "m.msh:3", {"byte order"});
+    refuse(kGmsh2, "2.2 0 8", "2.2 1 4", "m.msh:2", {"data size of 8"}, ErrorCode::unsupported);
     refuse(kGmsh2, "2.2 0 8", "4 0 8", "m.msh:2", {"version 4 ", "4.1"}, ErrorCode::unsupported);
     refuse(kGmsh2, "2.2 0 8", "9.9 0 8", "m.msh:2", {"version 9.9"}, ErrorCode::unsupported);
     refuse(kGmsh2, "2 4 \"clamped face\"", "2 4 clamped", "m.msh:10", {"quotes"});

@@ -1,5 +1,5 @@
-#include <algorithm>
-#include <set>
+#include <cctype>
+#include <map>
 
 #include "supple/io/element_sets.h"
 #include "supple/io/keyword_lines.h"
@@ -122,9 +122,9 @@ private:
     }
 
     std::vector<std::int64_t>& node_set(const std::string& name) {
-        const auto found = std::find_if(node_sets_.begin(), node_sets_.end(), [&](const auto& s) { return s.first == name; });
-        if (found != node_sets_.end()) return found->second;
-        return node_sets_.emplace_back(name, std::vector<std::int64_t>()).second;
+        const auto [entry, is_new] = node_index_.try_emplace(name, node_sets_.size());
+        if (is_new) node_sets_.emplace_back(name, std::vector<std::int64_t>());
+        return node_sets_[entry->second].second;
     }
 
     /// An element may go over several lines.
@@ -180,8 +180,7 @@ private:
                 const std::string other(word);
                 const std::vector<std::int64_t>* list = nullptr;
                 if (section_ == "elset" && elements_.has_set(other)) list = &elements_.set(other);
-                for (const auto& [name, members] : node_sets_)
-                    if (section_ == "nset" && name == other) list = &members;
+                if (section_ == "nset" && node_index_.contains(other)) list = &node_set(other);
                 if (!list) line.fail("the set " + quoted(word) + " is not known here");
                 if ((generated_ += std::int64_t(list->size())) > kMostGenerated) line.fail("sets of sets hold more than " + std::to_string(kMostGenerated) + " numbers");
                 ids.insert(ids.end(), list->begin(), list->end());
@@ -201,6 +200,7 @@ private:
     KeywordReader reader_;
     ElementSets elements_;
     std::vector<std::pair<std::string, std::vector<std::int64_t>>> node_sets_;
+    std::map<std::string, std::size_t> node_index_;
     std::vector<std::string> regions_;
     std::string section_, set_;
     std::string_view include_after_;

@@ -42,10 +42,14 @@ void ElementSets::feed(const TextScanner& scanner, const std::vector<std::string
     std::vector<std::pair<std::size_t, std::int64_t>> pairs;  // element, tag
     for (const std::size_t s : order) {
         builder.name_group(3, std::int64_t(s) + 1, sets_[s].first);
-        for (const std::int64_t id : sets_[s].second) {
+        std::vector<std::int64_t>& members = sets_[s].second;
+        std::sort(members.begin(), members.end());
+        members.erase(std::unique(members.begin(), members.end()), members.end());
+        for (const std::int64_t id : members) {
             const auto found = std::lower_bound(by_id.begin(), by_id.end(), std::pair(id, std::size_t(0)));
             if (found == by_id.end() || found->first != id)
-                throw Error(ErrorCode::parse, scanner.name(), "the set " + io::quoted(sets_[s].first) + " holds element " + std::to_string(id) + ", which the file does not define");
+                throw Error(ErrorCode::parse, scanner.name(),
+                            "the set " + io::quoted(sets_[s].first) + " holds element " + std::to_string(id) + ", which the file does not define");
             pairs.emplace_back(found->second, std::int64_t(s) + 1);
         }
     }

@@ -157,9 +157,9 @@ std::string_view key_of_content(std::string_view bytes) {
     if (starts_with(word, "MeshVersionFormatted")) return "medit";
     if (is_one_of(word, {"OFF", "COFF", "NOFF", "CNOFF", "STOFF", "4OFF", "nOFF"})) return "off";
     if (word == "ply") return "ply";
-    if (word == "solid") return "stl";
     if (is_one_of(word, {"v", "vn", "vt", "f", "o", "g", "s", "mtllib", "usemtl"})) return "obj";
     const std::string keyword = lower(word.substr(0, word.find(',')));
+    if (keyword == "solid") return "stl";
     if (is_one_of(keyword, {"*vertices", "*elements", "*material", "*set", "*region"})) return "vega";
     if (is_one_of(keyword, {"*heading", "*node", "*part", "*preprint", "*element"})) return "abaqus";
     if (word.front() == '(') return "fluent";
@@ -187,9 +187,12 @@ std::span<const OutputFormat> output_formats() { return kOutputs; }
 const InputFormat* detect_format(std::string_view bytes, const std::filesystem::path& file) {
     const std::string_view key = key_of_content(bytes);
     if (!key.empty()) return by_key(key);
+    // Files of these formats can be told by their content, and this is none.
+    constexpr std::string_view kTold = "gmsh vtk vtu medit ply";
     const std::string ending = lower(file.extension().string());
-    const InputFormat* found =
-        std::find_if(std::begin(kInputs), std::end(kInputs), [&](const InputFormat& f) { return has_ending(f.endings, ending); });
+    const InputFormat* found = std::find_if(std::begin(kInputs), std::end(kInputs), [&](const InputFormat& f) {
+        return has_ending(f.endings, ending) && !has_ending(kTold, f.key);
+    });
     return found == std::end(kInputs) ? nullptr : found;
 }
 

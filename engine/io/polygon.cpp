@@ -1,5 +1,7 @@
 #include "supple/io/polygon.h"
 
+#include <Eigen/Geometry>
+
 namespace supple::io {
 
 namespace {

@@ -72,14 +72,14 @@ bool VtkGrid::names_regions(std::string_view array) {
     return false;
 }
 
-void VtkGrid::add_cells(const TextScanner& scanner, const std::vector<std::int64_t>& offsets, const Numbers& connectivity,
+void VtkGrid::add_cells(const TextScanner& scanner, const Numbers& offsets, const Numbers& connectivity,
                         const std::vector<std::int64_t>& types, std::int64_t first_point, std::int64_t piece_points) {
     for (std::size_t c = 0; c < types.size(); ++c) {
-        const std::int64_t begin = offsets[c], end = offsets[c + 1];
+        const std::int64_t begin = offsets.values[c], end = offsets.values[c + 1];
         if (begin < 0 || end < begin || end > std::int64_t(connectivity.values.size())) {
             scanner.fail("cell " + std::to_string(c) + " ends at offset " + std::to_string(end) + ", outside [" + std::to_string(begin) +
                              ", " + std::to_string(connectivity.values.size()) + "]",
-                         connectivity.start);
+                         offsets.position(c + 1));
         }
         const std::size_t start = ids_.size();
         for (std::int64_t i = begin; i < end; ++i) {

@@ -92,7 +92,7 @@ private:
             if (!has_points_) scanner_.fail("section " + quoted(keyword) + " stands before POINTS, which it needs", position);
             read_cells();
             const std::int64_t type = keyword == "POLYGONS" ? 7 : keyword == "TRIANGLE_STRIPS" ? 6 : keyword == "LINES" ? 4 : 2;
-            const std::vector<std::int64_t> types(offsets_.size() - 1, type);
+            const std::vector<std::int64_t> types(offsets_.values.size() - 1, type);
             grid_.add_cells(scanner_, offsets_, ids_, types, 0, std::int64_t(grid_.point_count()));
         } else if (keyword == "CELL_DATA" || keyword == "POINT_DATA") {
             of_ = keyword == "CELL_DATA" ? Of::cells : Of::points;
@@ -215,7 +215,7 @@ private:
         const std::int64_t size = scanner_.integer("the size of the cell list", 0, kBig);
         scanner_.end_line("the head of the cells");
         const TypeRow& int32 = type_named("int", nullptr);
-        offsets_.clear();
+        offsets_ = {};
         ids_ = {};
         const char* data = scanner_.position();
         scanner_.skip_space();
@@ -224,8 +224,8 @@ private:
             scanner_.word();  // version 5: count is that of the offsets
             const TypeRow& offset_type = read_type();
             scanner_.next_line();
-            offsets_ = read_wholes(count, offset_type, "an offset").values;
-            if (offsets_.empty()) offsets_.push_back(0);
+            offsets_ = read_wholes(count, offset_type, "an offset");
+            if (offsets_.values.empty()) offsets_.values.push_back(0);
             scanner_.skip_space();
             const char* position = scanner_.position();
             if (scanner_.word() != "CONNECTIVITY") scanner_.fail("CONNECTIVITY was expected", position);
@@ -235,9 +235,9 @@ private:
             return;
         }
         scanner_.seek(data);
-        offsets_.push_back(0);
+        offsets_.values.push_back(0);
         const Numbers list = read_wholes(size, int32, "a point number of a cell");
-        ids_.start = list.start;
+        ids_.start = offsets_.start = list.start;
         std::size_t at = 0;
         for (std::int64_t i = 0; i < count; ++i) {
             if (at >= list.values.size()) scanner_.fail("the list of cells ends before its cell " + std::to_string(i) + ": its size is wrong");
@@ -249,13 +249,13 @@ private:
                 ids_.values.push_back(list.values[at]);
                 if (!binary_) ids_.positions.push_back(list.position(at));
             }
-            offsets_.push_back(std::int64_t(ids_.values.size()));
+            offsets_.values.push_back(std::int64_t(ids_.values.size()));
         }
         if (at != list.values.size()) scanner_.fail("the list of cells is longer than its cells: a count is wrong", list.position(at));
     }
 
     void read_types() {
-        const auto count = std::int64_t(offsets_.size()) - 1;
+        const auto count = std::int64_t(offsets_.values.size()) - 1;
         scanner_.integer("the number of cell types", count, count);
         scanner_.next_line();
         const Numbers types = read_wholes(count, type_named("int", nullptr), "a cell type");
@@ -356,8 +356,7 @@ private:
     bool binary_ = false, is_grid_ = true, has_points_ = false, has_cells_ = false, has_types_ = false;
     Of of_ = Of::nothing;
     std::int64_t of_count_ = 0;
-    std::vector<std::int64_t> offsets_ = {0};
-    Numbers ids_;
+    Numbers offsets_{{0}, {}, nullptr}, ids_;
 };
 
 }  // namespace

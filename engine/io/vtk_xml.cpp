@@ -140,7 +140,8 @@ private:
 
     void add_cells(CellLists& lists, const std::vector<std::int64_t>& types, std::int64_t first) {
         lists.offsets.values.insert(lists.offsets.values.begin(), 0);
-        grid_.add_cells(file_, lists.offsets.values, lists.connectivity, types, first, piece_.point_count);
+        if (!lists.offsets.positions.empty()) lists.offsets.positions.insert(lists.offsets.positions.begin(), lists.offsets.start);
+        grid_.add_cells(file_, lists.offsets, lists.connectivity, types, first, piece_.point_count);
     }
 
     void close_piece() {

@@ -4,6 +4,7 @@
 
 #include <type_traits>
 
+#include "supple/io/base64.h"
 #include "supple/io/binary_scanner.h"
 #include "supple/io/number_text.h"
 #include "supple/io/vtk_names.h"
@@ -13,16 +14,6 @@ namespace supple::io {
 namespace {
 
 constexpr std::size_t kBlock = 1 << 18;
-
-void append_base64(std::string& out, std::string_view bytes) {
-    static constexpr char kLetters[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    for (std::size_t i = 0; i < bytes.size(); i += 3) {
-        std::uint32_t bits = 0;
-        const std::size_t here = std::min<std::size_t>(3, bytes.size() - i);
-        for (std::size_t k = 0; k < 3; ++k) bits = bits << 8 | (k < here ? static_cast<unsigned char>(bytes[i + k]) : 0u);
-        for (std::size_t k = 0; k < 4; ++k) out += k <= here ? kLetters[bits >> (18 - 6 * k) & 63] : '=';
-    }
-}
 
 bool is_zlib(VtuEncoding e) { return e == VtuEncoding::inline_zlib || e == VtuEncoding::appended_zlib; }
 bool is_inline(VtuEncoding e) { return e == VtuEncoding::inline_base64 || e == VtuEncoding::inline_zlib; }
@@ -58,10 +49,7 @@ std::string VtuWriter::packed(std::string_view bytes) const {
         }
     }
     if (!is_base64(encoding_)) return head + data;
-    std::string out;
-    append_base64(out, head);
-    append_base64(out, data);
-    return out;
+    return to_base64(head) + to_base64(data);
 }
 
 template <class T>
@@ -100,12 +88,9 @@ void VtuWriter::field(std::string_view name, std::int32_t value) {
 void VtuWriter::point_data(std::string_view name, int components, std::span<const double> values) {
     add(point_data_, "Float64", name, components, values);
 }
-void VtuWriter::point_data(std::string_view name, int components, std::span<const float> values) {
-    add(point_data_, "Float32", name, components, values);
-}
 void VtuWriter::point_data(std::string_view name, std::span<const std::uint8_t> values) { add(point_data_, "UInt8", name, 1, values); }
-void VtuWriter::cell_data(std::string_view name, int components, std::span<const float> values) {
-    add(cell_data_, "Float32", name, components, values);
+void VtuWriter::cell_data(std::string_view name, int components, std::span<const double> values) {
+    add(cell_data_, "Float64", name, components, values);
 }
 void VtuWriter::cell_data(std::string_view name, std::span<const std::int32_t> values) { add(cell_data_, "Int32", name, 1, values); }
 

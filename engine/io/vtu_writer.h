@@ -16,9 +16,8 @@ public:
 
     void field(std::string_view name, std::int32_t value);
     void point_data(std::string_view name, int components, std::span<const double> values);
-    void point_data(std::string_view name, int components, std::span<const float> values);
     void point_data(std::string_view name, std::span<const std::uint8_t> values);
-    void cell_data(std::string_view name, int components, std::span<const float> values);
+    void cell_data(std::string_view name, int components, std::span<const double> values);
     void cell_data(std::string_view name, std::span<const std::int32_t> values);
     /// Ends the file: tets, then hexes.
     std::string finish(std::span<const Vec3> points, std::span<const Tet> tets, std::span<const Hex> hexes);

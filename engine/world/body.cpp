@@ -118,7 +118,7 @@ void couple_elements(Body& body) {
 
 void size_workspace(Workspace& w, const fem::ElementLayout& layout) {
     const std::size_t n = layout.vertices;
-    w.corner.resize(layout.places * 4);
+    w.force_parts.resize(layout.places * 4);
     for (auto* field : {&w.base_x, &w.base_v, &w.y, &w.v0, &w.v_start, &w.f_ext, &w.f_dead, &w.b, &w.rhs, &w.free_rhs, &w.dv, &w.residual, &w.product}) {
         field->assign(n, Vec3::Zero());
     }
@@ -153,7 +153,7 @@ void apply_materials(Body& body, const BodyDef& def, const WorldDef& world, Isa 
     body.elements = std::move(matter.elements);
     body.own_layout = std::move(matter.layout);
     if (!at_work) return;
-    body.work.corner.resize(to.places * 4);
+    body.work.force_parts.resize(to.places * 4);
     couple_elements(body);
     drop_preconditioner(body);
 }
@@ -238,7 +238,7 @@ void update_stress(const Body& body, Team& team) {
     });
     team.for_range(vertices, 512, [&](std::size_t begin, std::size_t end) {
         for (std::size_t v = begin; v < end; ++v) {
-            s.vertex[v] = fem::recover_at_vertex(layout.corners, layout.volume, s.element, v);
+            s.vertex[v] = fem::recover_at_vertex(layout.around, layout.volume, s.element, v);
             s.vertex_von_mises[v] = fem::von_mises(s.vertex[v]);
         }
     });

@@ -88,7 +88,7 @@ struct System {
 
 /// What the stages of a step write into; sized once, never part of the state.
 struct Workspace {
-    AlignedVector<double> corner;     ///< [element][corner][x y z 0]
+    AlignedVector<double> force_parts;  ///< [place][x y z 0] (fem::ElementLayout)
     double h = 0;                     ///< the scheme's x = base_x + h v, M (v - base_v)/h = forces (world/time_scheme.cpp)
     std::vector<Vec3> base_x, base_v;
     std::vector<Vec3> y;              ///< where forces are evaluated

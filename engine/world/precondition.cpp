@@ -56,11 +56,11 @@ void build_lattice(StepContext& ctx, Body& body, System<Real>& system) {
     const std::vector<std::uint8_t> held = held_bits(body);
     std::vector<std::array<std::int32_t, 3>> near(body.vertices(), {-1, -1, -1});
     for (std::size_t i = 0; i < near.size(); ++i) {
-        const fem::CornerMap& corners = body.layout().corners;
-        const std::int64_t first = corners.start[i], last = corners.start[i + 1];
+        const fem::ElementMap& around = body.layout().around;
+        const std::int64_t first = around.start[i], last = around.start[i + 1];
         for (std::int64_t k = 0; k < 3 && first + k < last; ++k) {
             // Spread over the elements around the vertex, not three neighbours of one another.
-            near[i][std::size_t(k)] = corners.element[std::size_t(first + k * (last - first) / 3)];
+            near[i][std::size_t(k)] = around.element[std::size_t(first + k * (last - first) / 3)];
         }
     }
     solve::LatticeDef def;

@@ -240,6 +240,17 @@ std::span<const Voigt> World::cauchy_stress(BodyId id) const { return stress_of(
 std::span<const double> World::element_von_mises(BodyId id) const { return stress_of(*impl_, id).element_von_mises; }
 std::span<const Voigt> World::element_cauchy_stress(BodyId id) const { return stress_of(*impl_, id).element; }
 
+std::vector<Voigt> World::plastic_strain(BodyId id) const {
+    const Body& body = impl_->body(id);
+    const AlignedVector<double>& plastic = body.state.plastic;
+    std::vector<Voigt> strain(plastic.empty() ? 0 : body.element_count());
+    for (std::size_t e = 0; e < strain.size(); ++e) {
+        const std::size_t slot = body.layout().slot[e], block = slot / fem::kBlock, lane = slot % fem::kBlock;
+        for (std::size_t k = 0; k < 6; ++k) strain[e][k] = plastic[(block * 6 + k) * fem::kBlock + lane];
+    }
+    return strain;
+}
+
 Energy World::energy() const {
     Energy energy;
     for (const BodyId id : bodies()) {
