@@ -454,6 +454,17 @@ TEST(IoScene, HexBoxesAndTheIntegrationOfTheirElements) {
     EXPECT_EQ(std::get<Linear>(parsed(R"({"law": "linear", "integration": "incompatible"})").material).integration, Integration::incompatible);
 }
 
+TEST(IoScene, PlasticHexesAndHexesOfCostasLawRun) {
+    for (const std::string material : {R"({"young_pa": 1e4, "plastic_yield": 0.02, "plastic_max": 0.3, "plastic_creep_1_s": 4})",
+                                       R"({"law": "linear", "integration": "full", "young_pa": 1e4, "plastic_yield": 0.02})",
+                                       R"({"law": "Costa", "a_pa": 1000, "bulk_pa": 9000, "b": [4, 2, 2, 2, 2, 2], "fibre": [1, 1, 0]})"}) {
+        const Scene scene = parse(R"({"supple_scene": 1, "bodies": [{"box": {"min_m": [0, 0, 0], "max_m": [1, 1, 1], "cells": [2, 1, 1], "elements": "hexes"},
+                                      "fixed": [{"box": {"min_m": [0, 0, 0], "max_m": [0, 1, 1]}}], "material": )" + material + "}]}");
+        World world = build_world(scene);
+        EXPECT_EQ(world.step().flags, StepFlag::none) << material;
+    }
+}
+
 TEST(IoScene, OnlyErrorsEscapeFromMutatedScenes) {
     const std::string whole = R"({"supple_scene": 1, "time_step_s": 0.01, "solver": {"newton_iterations": 2}, "bodies": [{"name": "a",
         "box": {"min_m": [0, 0, 0], "max_m": [1, 1, 1], "cells": [1, 1, 1]}, "scale": 0.5, "material": {"young_pa": 1e5, "poisson": [0, 0, 0, 0, 0, 0.1]},

@@ -58,10 +58,6 @@ void warn_of_materials(const WorldDef& world, const Body& body) {
                                          " above 0.48 locks linear tetrahedra: they bend too little; " +
                                          (is_hyperelastic(*locking) ? "use hexahedra" : "set the material's volumetric to \"nodal\""));
     }
-    const auto turns = [](const Material& material) { return std::holds_alternative<Corotational>(material); };
-    if (!mesh.hexes.empty() && world.solver.tangent == Tangent::exact && std::any_of(materials.begin(), materials.end(), turns)) {
-        world.log(LogLevel::warning, body.name + ": corotational hexahedra have no exact tangent and take the warped one: the same equilibrium, in more Newton iterations");
-    }
 }
 
 }  // namespace
