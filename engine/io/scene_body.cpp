@@ -70,17 +70,15 @@ std::shared_ptr<const BodyTemplate> read_shape(const JsonNode& node, double scal
     return shape;
 }
 
-MeshUnits units_of(const JsonNode& node, double scale) {
-    return {scale, node.has("units") ? std::string(node.at("units").text()) : "m", node.has("up") ? std::string(node.at("up").text()) : "y"};
-}
-
-std::shared_ptr<const Skin> read_skin(const JsonNode& node, const MeshUnits& units, const BodyTemplate& shape, SceneContext& context) {
+std::shared_ptr<const Skin> read_skin(const JsonNode& body, double scale, const BodyTemplate& shape, SceneContext& context) {
+    const JsonNode node = body.at("skin");
     if (node.text().empty()) node.fail("the path is empty; name a surface file, relative to the scene file");
     const std::filesystem::path file = context.folder / node.text();
     auto& skin = context.skins[{file.lexically_normal().string(), &shape}];
     if (skin) return skin;
     mesh::TriangleMesh surface = at_pointer(node, [&] { return read_skin_surface(file); });
-    units.apply(surface.vertices);
+    const std::string unit = body.has("units") ? std::string(body.at("units").text()) : "m", up = body.has("up") ? std::string(body.at("up").text()) : "y";
+    MeshUnits{scale, unit, up}.apply(surface.vertices);
     skin = at_pointer(node, [&] { return Skin::build(shape.mesh(), surface); });
     return skin;
 }
@@ -106,7 +104,7 @@ SceneBody read_body(const JsonNode& node, SceneContext& context) {
     if (node.has("name")) def.name = node.at("name").text();
     const double scale = node.has("scale") ? node.at("scale").number_above(0, 1e9) : 1.0;
     def.shape = read_shape(node, scale, context);
-    if (node.has("skin")) def.skin = read_skin(node.at("skin"), units_of(node, scale), *def.shape, context);
+    if (node.has("skin")) def.skin = read_skin(node, scale, *def.shape, context);
     if (node.has("translation_m")) def.translation_m = node.at("translation_m").vec3(1e9);
     if (node.has("velocity_m_s")) def.velocity_m_s = node.at("velocity_m_s").vec3(1e9);
     if (node.has("density_kg_m3")) def.density_kg_m3 = node.at("density_kg_m3").number_above(0, 1e9);
