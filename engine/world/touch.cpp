@@ -117,7 +117,7 @@ DragId World::begin_drag(const PickHit& hit, const DragDef& def) {
         throw Error(ErrorCode::invalid_argument, "PickHit.element", std::to_string(hit.element) + " is outside [0, " + std::to_string(body.element_count()) + ")");
     const Vec3 barycentric(hit.barycentric[0], hit.barycentric[1], hit.barycentric[2]);
     if (!hit.position_m.allFinite() || !barycentric.allFinite() || !(std::abs(barycentric.sum() - 1) < 1e-6) ||
-        !std::all_of(hit.element_weights.begin(), hit.element_weights.end(), [](double w) { return std::isfinite(w); })) {
+        !std::all_of(hit.element_weights.begin(), hit.element_weights.end(), [](double weight) { return std::isfinite(weight); })) {
         throw Error(ErrorCode::invalid_argument, "PickHit", "position_m must be finite and barycentric must sum to one; pass on what World::pick() gave");
     }
     require_in_range(def.radius_m, 0, 1e6, "DragDef.radius_m", "0 takes the picked triangle alone");
