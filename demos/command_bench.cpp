@@ -13,6 +13,7 @@
 #include "statistics.h"
 #include "supple/io/binary_file.h"
 #include "supple/mesh/box_mesh.h"
+#include "supple/mesh/refine.h"
 
 namespace supple::demos {
 namespace {
@@ -40,7 +41,7 @@ struct BenchResult {
 class BarShow : public Show {
 public:
     BarShow(std::array<int, 3> cells, const BenchOptions& o) : world_(def(o.show, o.tolerance, o.preconditioner)) {
-        const auto shape = BodyTemplate::build(make_tet_box({.min_m = Vec3::Zero(), .max_m = Vec3(0.4, 0.1, 0.1), .cells = cells}));
+        const auto shape = BodyTemplate::build(refine(make_tet_box({.min_m = Vec3::Zero(), .max_m = Vec3(0.4, 0.1, 0.1), .cells = cells}), o.show.refine));
         BodyDef body;
         body.name = "bar";
         body.shape = shape;
@@ -217,6 +218,7 @@ void add_bench_command(CLI::App& app, int& status) {
     add_isa_option(*command, o->show);
     command->add_option("--steps", o->steps, "steps from the start of the scene [100]")->check(CLI::Range(1, 1000000));
     command->add_option("--repeat", o->repeat, "how often the same steps are timed [3]")->check(CLI::Range(1, 10000));
+    command->add_option("--refine", o->show.refine, "cut every element of scene files and bars into eight, so many times [0]")->check(CLI::Range(0, 10));
     command->add_flag("--large", o->large, "also the bar of 331,776 tets");
     command->add_option("--tolerance", o->tolerance, "of the bars' solves, on the true residual [1e-5]")->check(CLI::Range(1e-12, 0.5));
     command->add_option("--preconditioner", o->preconditioner, "of the bars' solves [auto]")

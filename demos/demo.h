@@ -31,6 +31,7 @@ public:
 struct ShowOptions {
     int threads = 0;
     std::optional<Isa> isa{};  ///< empty: the widest
+    int refine = 0;            ///< times that the meshes of a scene file are refined
 };
 
 /// A demo. Each lives in one file of demos/ and registers itself with a `const RegisterDemo`.

@@ -46,10 +46,13 @@ private:
     double ground_m_;
     StressRange range_;
     FrameView view_;
-    std::vector<std::vector<Vec3>> positions_, centres_;
-    std::vector<std::vector<double>> flat_, stiffness_;  ///< per body: of triangles, of vertices
+    std::vector<std::vector<Vec3>> positions_, centres_, skin_;
+    std::vector<std::vector<double>> flat_, stiffness_, on_skin_;  ///< per body: of triangles, of vertices, of skin vertices
 
-    void add_stress(std::size_t b, SurfaceView& surface, std::vector<double>& stresses);
+    void add_stress(std::size_t b, const Skin* skin, SurfaceView& surface, std::vector<double>& stresses);
+    SurfaceView make_surface(std::size_t b, const Skin* skin);
+    /// A number per vertex of the mesh on the surface that is drawn.
+    std::span<const double> on_surface(std::size_t b, const Skin* skin, std::span<const double> per_vertex);
 };
 
 }  // namespace supple::demos

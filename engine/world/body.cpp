@@ -165,6 +165,9 @@ std::unique_ptr<Body> make_body(const BodyDef& def, const WorldDef& world, std::
     if (!def.shape) bad_body("shape", "is null; make one with BodyTemplate::build(mesh)");
     if (!def.translation_m.allFinite()) bad_body("translation_m", "is not finite");
     if (!def.velocity_m_s.allFinite()) bad_body("velocity_m_s", "is not finite");
+    if (def.skin && def.skin->mesh_vertices() != def.shape->mesh().vertices.size())
+        bad_body("skin", "was made for a mesh of " + std::to_string(def.skin->mesh_vertices()) + " vertices, this one has " +
+                             std::to_string(def.shape->mesh().vertices.size()) + "; make it with Skin::build(shape->mesh(), surface)");
 
     auto body = std::make_unique<Body>();
     body->name = def.name.empty() ? "body " + std::to_string(index) : def.name;

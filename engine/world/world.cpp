@@ -117,6 +117,17 @@ std::vector<BodyId> World::bodies() const {
 }
 
 const BodyTemplate& World::shape(BodyId id) const { return *impl_->body(id).shape; }
+std::shared_ptr<const Skin> World::skin(BodyId id) const { return impl_->body(id).def.skin; }
+
+std::vector<Vec3> World::skin_positions(BodyId id) const {
+    const Body& body = impl_->body(id);
+    std::vector<Vec3> out;
+    if (!body.def.skin) return out;
+    out.resize(body.def.skin->embedding().size());
+    body.def.skin->embedding().deform(body.state.x, out);
+    return out;
+}
+
 const std::string& World::name(BodyId id) const { return impl_->body(id).name; }
 
 void World::set_state(BodyId id, std::span<const Vec3> positions_m, std::span<const Vec3> velocities_m_s) {

@@ -11,6 +11,7 @@
 #include "supple/base/log.h"
 #include "supple/material/material.h"
 #include "supple/math/isa.h"
+#include "supple/mesh/skin.h"
 #include "supple/world/body_template.h"
 #include "supple/world/loads.h"
 #include "supple/world/step_report.h"
@@ -76,7 +77,8 @@ struct WorldDef {
 
 /// A part of a body whose matter differs. Regions apply in their order.
 struct MaterialRegion {
-    Selection where{};                    ///< the elements whose vertices are all selected; at least one
+    Selection where{};                    ///< selects at least one element
+    ElementRule rule = ElementRule::all_vertices;  ///< which elements these are
     std::optional<Material> material{};   ///< in place of the body's, of any law; empty: only the factor and the density change
     double stiffness_factor = 1;          ///< multiplies every modulus of the elements, > 0; those of several regions multiply
     double density_kg_m3 = 0;             ///< > 0; 0 keeps the body's
@@ -93,6 +95,7 @@ struct BodyDef {
     std::vector<double> stiffness_factor_per_element{};///< empty, or one per element, > 0: multiplies every modulus
     std::vector<double> density_kg_m3_per_element{};   ///< empty, or one per element, > 0: overrides density_kg_m3
     std::vector<MaterialRegion> regions{};             ///< applied after the above
+    std::shared_ptr<const Skin> skin{};                ///< drawn and picked in place of the boundary; made for shape->mesh(). Null: none
     Vec3 translation_m = Vec3::Zero();                 ///< of the start position; the rest shape stays where the mesh is
     Vec3 velocity_m_s = Vec3::Zero();                  ///< at the start
 };
@@ -105,8 +108,10 @@ struct Energy {
 
 struct PickHit {
     BodyId body;
-    std::int32_t triangle = -1, element = -1;  ///< boundary triangle and the element it bounds
-    std::array<double, 3> barycentric{};
+    std::int32_t triangle = -1, element = -1;  ///< boundary triangle and the element it bounds; of a body with a skin: -1, and the element that moves the point
+    std::int32_t skin_triangle = -1;           ///< of the body's skin; -1 where it has none
+    std::array<double, 3> barycentric{};       ///< in that triangle
+    std::array<double, 8> element_weights{};   ///< of the element's vertices (4 or 8): the point is their weighted sum
     Vec3 position_m = Vec3::Zero();
     double distance = 0;                       ///< in lengths of the ray's direction
 };
@@ -140,6 +145,8 @@ public:
     std::vector<BodyId> bodies() const;                  ///< living bodies, in the order they were added
     const BodyTemplate& shape(BodyId body) const;
     const std::string& name(BodyId body) const;
+    std::shared_ptr<const Skin> skin(BodyId body) const; ///< null: none
+    std::vector<Vec3> skin_positions(BodyId body) const; ///< [m]; empty: none. In a loop: skin()->embedding().deform(positions(), kept array)
 
     /// Holds the selected vertices where they are now (in the given axes). Returns how many; nothing selected is an Error.
     std::size_t fix(BodyId body, const Selection& where, Axes axes = {});
