@@ -67,7 +67,11 @@ double StressRange::update(std::vector<double> stresses_pa, double elapsed_s) {
 }
 
 FrameBuilder::FrameBuilder(Show& show, FrameOptions options)
-    : show_(&show), options_(std::move(options)), ground_m_(ground_below(show.world())) {}
+    : show_(&show), options_(std::move(options)), ground_m_(ground_below(show.world())) {
+    const SceneBounds bounds = bounds_of(show.world());
+    size_m_ = (bounds.max_m - bounds.min_m).norm();
+    centre_ = 0.5 * (bounds.min_m + bounds.max_m);
+}
 
 void FrameBuilder::add_stress(std::size_t b, SurfaceView& surface, std::vector<double>& stresses) {
     const World& world = show_->world();
@@ -138,6 +142,13 @@ const FrameView& FrameBuilder::build(double alpha, const std::string& hud, doubl
         view_.scale->title = "Young's modulus";
     }
     view_.ground_height_m = ground_m_;
+    colliders_.add(world, alpha, up_direction(world), size_m_, centre_, view_);
+    if (options_.contacts) {
+        double weight_n = 0;
+        for (const BodyId body : bodies)
+            for (const double m : world.masses(body)) weight_n += m * world.def().gravity_m_s2.norm();
+        add_contact_arrows(world, 4 * size_m_ / std::max(weight_n, 1e-3), view_);  // a tenth of the weight is as long as 0.4 of the scene
+    }
     view_.hud = hud;
     show_->decorate(view_);
     if (view_.scale) view_.scale->map = options_.map;

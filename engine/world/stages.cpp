@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "supple/solve/chunked_sum.h"
+#include "supple/world/contact_stages.h"
 
 namespace supple {
 
@@ -119,6 +120,7 @@ bool integrate(StepContext& ctx, BodyId id, Body& body) {
     end_scheme(ctx, body);
     body.stress.valid = false;
     read_drags(ctx.world, id, body);
+    read_contacts(ctx, id, body);
     return true;
 }
 
@@ -134,6 +136,7 @@ void contain(StepContext& ctx, BodyId id, Body& body) {
     fem::seed_rotations(ctx.team, body.layout(), s.x, s.quaternion);
     body.stress.valid = false;
     drop_drags(ctx.world, id);
+    drop_contacts(body);
     ctx.report.flags |= StepFlag::non_finite;
 }
 
