@@ -296,6 +296,14 @@ void read_contacts(StepContext& ctx, BodyId id, Body& body) {
     }
 }
 
+void undo_contacts(StepContext& ctx, Body& body) {
+    drop_contacts(body);
+    for (Collider& collider : ctx.world.colliders) {
+        collider.w = collider.begin;
+        collider.dw = Vec6::Zero();
+    }
+}
+
 void drop_contacts(Body& body) {
     body.contacts.list.clear();
     body.contacts.report.clear();

@@ -51,8 +51,10 @@ void advance_colliders(StepContext& ctx, double part);
 
 /// Memory and report of the contacts at the end of a step.
 void read_contacts(StepContext& ctx, BodyId id, Body& body);
-/// Of a body that is contained or frozen.
+/// Of a body that is frozen.
 void drop_contacts(Body& body);
+/// Of one that is contained: what its solve made of the colliders is void.
+void undo_contacts(StepContext& ctx, Body& body);
 
 /// Unit quaternion of a rotation (math/polar.h has the way back), and rotation vectors.
 std::array<double, 4> rotation_wxyz(const Mat3& R);

@@ -140,19 +140,26 @@ void look_at_vertex(Meeting& m, std::int32_t v) {
         return add_contact(m, found);
     }
     const Vec3 p0 = c.to_local0(m.start(v));
+    const Distance before = contact::distance(m.shape(), p0);
     if ((p1 - p0).norm() > kSweepFrom * c.thinness_m) {
-        const auto touch = contact::sweep_point(m.shape(), p0, p1, m.near_m);
-        if (touch && !from_inside(c.R0 * touch->point.at.normal, outward_of(m, found.triangle))) {
-            found.time = touch->time;
-            found.normal = touch->point.at.normal;
-            found.local = p0 + touch->time * (p1 - p0) - touch->point.at.d * found.normal;
+        contact::Touch touch;
+        touch.point.at = before;
+        bool touches = before.d <= m.near_m && before.normal.dot(p1 - p0) < 0;  // already, and would go on through
+        if (before.d > m.near_m) {
+            const auto swept = contact::sweep_point(m.shape(), p0, p1, m.near_m);
+            touches = swept.has_value();
+            if (swept) touch = *swept;
+        }
+        if (touches && !from_inside(c.R0 * touch.point.at.normal, outward_of(m, found.triangle))) {
+            found.time = touch.time;
+            found.normal = touch.point.at.normal;
+            found.local = p0 + touch.time * (p1 - p0) - touch.point.at.d * found.normal;
             return add_contact(m, found);
         }
     }
     Distance at = contact::distance(m.shape(), p1);
     if (at.d > surface.margin_m) return;
     Vec3 p = p1;
-    const Distance before = contact::distance(m.shape(), p0);
     if (before.d < 0 && before.normal.dot(at.normal) < 0.2) {  // it has passed the middle: back to where it came from
         at = before;
         p = p0;
@@ -182,8 +189,17 @@ void look_at_triangle(Meeting& m, std::int32_t triangle) {
     contact::TrianglePoint point;
     const std::array<Vec3, 3>* corner = &to;
     std::array<Vec3, 3> on_the_way;
-    const std::optional<contact::Touch> touch =
-        way > kSweepFrom * c.thinness_m ? contact::sweep_triangle(m.shape(), from, to, m.near_m) : std::nullopt;
+    std::optional<contact::Touch> touch;
+    if (way > kSweepFrom * c.thinness_m) {
+        const contact::TrianglePoint before = contact::deepest_on_triangle(m.shape(), from[0], from[1], from[2]);
+        Vec3 along = Vec3::Zero();
+        for (std::size_t k = 0; k < 3; ++k) along += before.barycentric[Eigen::Index(k)] * (to[k] - from[k]);
+        if (before.at.d > m.near_m) {
+            touch = contact::sweep_triangle(m.shape(), from, to, m.near_m);
+        } else if (before.at.normal.dot(along) < 0) {  // already, and would go on through
+            touch = contact::Touch{0, before};
+        }
+    }
     if (touch) {
         for (std::size_t k = 0; k < 3; ++k) on_the_way[k] = from[k] + touch->time * (to[k] - from[k]);
         corner = &on_the_way;

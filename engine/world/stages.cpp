@@ -136,7 +136,7 @@ void contain(StepContext& ctx, BodyId id, Body& body) {
     fem::seed_rotations(ctx.team, body.layout(), s.x, s.quaternion);
     body.stress.valid = false;
     drop_drags(ctx.world, id);
-    drop_contacts(body);
+    undo_contacts(ctx, body);
     ctx.report.flags |= StepFlag::non_finite;
 }
 
