@@ -200,7 +200,7 @@ Computed run(const BodyTemplate& shape, const fem::ElementMaterials& materials, 
     fem::ElementOutputs outputs{nullptr, r.corner.data(), r.energy.data(), r.stress.data(), true};
     elements->evaluate(team, x.data()->data(), r.quaternion.data(), outputs);
     r.force.resize(layout.vertices);
-    fem::gather_corners(layout.corners, r.corner.data(), 0, layout.vertices, r.force.data());
+    fem::gather_places(layout.forces, r.corner.data(), 0, layout.vertices, r.force.data());
     r.product.resize(layout.vertices);
     fem::stiffness_product(team, *elements, layout, r.quaternion.data(), field, r.corner, r.product);
     AlignedVector<Real> value(data.pattern.blocks() * 12, Real(77));

@@ -57,7 +57,7 @@ Outcome run(Isa isa, const Material& material, const TemplateData& data, std::sp
     r.energy.resize(lanes);
     r.stress.resize(lanes * 6);
     r.product.resize(x.size());
-    const fem::ElementOutputs outputs{.corner_force = r.corner.data(), .energy = r.energy.data(), .stress = r.stress.data(), .tangent = true};
+    const fem::ElementOutputs outputs{.force = r.corner.data(), .energy = r.energy.data(), .stress = r.stress.data(), .tangent = true};
     const std::vector<double> shift(x.size(), 0.125);
     const auto evaluate_with = [&](fem::MatrixPrecision precision, auto& matrix) {
         def.precision = precision;

@@ -129,14 +129,13 @@ TEST(FemKernels, EmptyRangesAndNullOutputsAreAllowed) {
 /// K field, by the product kernel of one instruction set.
 std::vector<Vec3> product(Isa isa, const Deformed& body, Elements& e, std::span<const Vec3> field) {
     Team alone;
-    const fem::CornerMap corners = fem::make_corner_map(body.mesh().vertices.size(), body.mesh().tets);
+    const fem::ElementLayout layout = fem::make_layout(body.mesh());
     std::vector<Vec3> out(field.size());
     fem::Tet4Product pass;
     pass.quaternion = e.quaternion.data();
     pass.field = field.data()->data();
-    pass.corner_force = e.corner.data();
-    fem::run_product(alone, {e.rest, e.moduli, fem::tet4_kernels(isa)}, pass);
-    fem::gather(alone, corners, e.corner, out);
+    fem::run_product(alone, {e.rest, layout.groups[0].sums, e.moduli, fem::tet4_kernels(isa)}, pass, e.corner.data());
+    fem::gather(alone, layout.forces, e.corner, out);
     return out;
 }
 
@@ -288,19 +287,45 @@ TEST(FemRest, ModuliFollowTheirElements) {
 
 TEST(FemCorners, MapIsTheTransposeOfTheElementList) {
     const Deformed body(0);
-    const fem::CornerMap map = fem::make_corner_map(body.x.size(), body.mesh().tets);
+    const fem::ElementMap map = fem::make_element_map(body.mesh());
     std::size_t corners = 0;
     for (std::size_t v = 0; v < body.x.size(); ++v) {
         for (std::int64_t i = map.start[v]; i < map.start[v + 1]; ++i, ++corners) {
-            const std::uint32_t corner = map.corner[std::size_t(i)];
-            EXPECT_EQ(body.mesh().tets[corner / 4][corner % 4], std::int32_t(v));
-            EXPECT_EQ(map.element[std::size_t(i)], std::int32_t(corner / 4));
+            const std::int32_t element = map.element[std::size_t(i)];
+            const Tet& tet = body.mesh().tets[std::size_t(element)];
+            EXPECT_NE(std::find(tet.begin(), tet.end(), std::int32_t(v)), tet.end());
             if (i > map.start[v]) {
-                EXPECT_LT(map.corner[std::size_t(i - 1)], corner);
+                EXPECT_LT(map.element[std::size_t(i - 1)], element);
             }
         }
     }
     EXPECT_EQ(corners, body.mesh().tets.size() * 4);
+}
+
+TEST(FemCorners, SumsByChunksAreTheSumsOverTheCorners) {
+    const Deformed body(0);
+    const fem::Tet4Rest rest = fem::make_rest(body.mesh().vertices, body.mesh().tets);
+    Random random(47);
+    AlignedVector<double> corner(rest.blocks() * fem::kBlock * 16);
+    std::vector<Vec3> expected(body.x.size(), Vec3::Zero());
+    for (std::size_t e = 0; e < rest.elements; ++e) {
+        for (std::size_t a = 0; a < 4; ++a) {
+            for (std::size_t c = 0; c < 3; ++c) {
+                corner[(e * 4 + a) * 4 + c] = double(random.vector(8).array().round()[0]);  // whole numbers: sums are exact in any order
+                expected[std::size_t(body.mesh().tets[e][a])][Eigen::Index(c)] += corner[(e * 4 + a) * 4 + c];
+            }
+        }
+    }
+    for (const std::size_t chunk : {std::size_t(1), std::size_t(3), fem::kCornerChunk}) {
+        const fem::CornerSums sums = fem::make_corner_sums(rest, chunk);
+        AlignedVector<double> sum(sums.vertex.size() * 4, 1e9);
+        for (std::size_t begin = 0; begin < rest.blocks(); begin += chunk) {
+            sums.add_up(corner.data() + begin * fem::kBlock * 16, begin, sum.data() + 4 * sums.first[begin / chunk]);
+        }
+        std::vector<Vec3> total(body.x.size(), Vec3::Zero());
+        for (std::size_t k = 0; k < sums.vertex.size(); ++k) total[std::size_t(sums.vertex[k])] += Vec3(sum[4 * k], sum[4 * k + 1], sum[4 * k + 2]);
+        for (std::size_t v = 0; v < total.size(); ++v) EXPECT_EQ(total[v], expected[v]) << "chunks of " << chunk << ", vertex " << v;
+    }
 }
 
 template <class Real>

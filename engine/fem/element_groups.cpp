@@ -20,7 +20,7 @@ public:
         for (std::size_t g = 0; g < groups_.size(); ++g) {
             const std::size_t first = layout_.groups[g].first_block * kBlock;
             ElementOutputs part = outputs;
-            if (part.corner_force != nullptr) part.corner_force += layout_.groups[g].first_place * 4;
+            if (part.force != nullptr) part.force += layout_.groups[g].first_place * 4;
             if (part.energy != nullptr) part.energy += first;
             if (part.stress != nullptr) part.stress += first * 6;
             if (part.plastic != nullptr) part.plastic += first * 6;
@@ -35,9 +35,9 @@ public:
         return groups_[g]->lame(slot - layout_.groups[g].first_block * kBlock);
     }
 
-    void product(Team& team, const double* quaternion, const double* field, double* corner_value) override {
+    void product(Team& team, const double* quaternion, const double* field, double* value) override {
         for (std::size_t g = 0; g < groups_.size(); ++g) {
-            groups_[g]->product(team, quaternion + layout_.groups[g].first_block * kBlock * 4, field, corner_value + layout_.groups[g].first_place * 4);
+            groups_[g]->product(team, quaternion + layout_.groups[g].first_block * kBlock * 4, field, value + layout_.groups[g].first_place * 4);
         }
     }
 
@@ -159,7 +159,7 @@ std::unique_ptr<Elements> make_elements(const ElementsDef& def, const ElementMat
 void stiffness_product(Team& team, Elements& elements, const ElementLayout& layout, const double* quaternion, std::span<const Vec3> field,
                        AlignedVector<double>& corner, std::vector<Vec3>& out) {
     elements.product(team, quaternion, field.data()->data(), corner.data());
-    gather(team, layout.corners, corner, out);
+    gather(team, layout.forces, corner, out);
 }
 
 }  // namespace supple::fem

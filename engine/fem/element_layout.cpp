@@ -44,34 +44,33 @@ void fill_rest(const VolumeMesh& mesh, ElementGroup& group) {
     group.hexes = make_hex_rest(mesh.vertices, hexes, numbers, mesh.source.empty() ? "mesh" : mesh.source);
 }
 
-CornerMap make_places(const VolumeMesh& mesh, const ElementLayout& layout) {
-    CornerMap map;
-    map.start.assign(mesh.vertices.size() + 1, 0);
-    for (const ElementGroup& group : layout.groups)
-        for (const std::int32_t e : group.element)
-            for (std::size_t a = 0; a < group.corners(); ++a) ++map.start[std::size_t(element_vertices(mesh, std::size_t(e))[a]) + 1];
-    for (std::size_t v = 0; v < mesh.vertices.size(); ++v) map.start[v + 1] += map.start[v];
-    map.corner.resize(std::size_t(map.start.back()));
-    map.element.resize(map.corner.size());
-    std::vector<std::int64_t> next(map.start.begin(), map.start.end() - 1);
+/// Calls visit(vertex, place) for every value that is summed at a vertex, group by group.
+template <class Visit>
+void for_each_place(const VolumeMesh& mesh, const ElementLayout& layout, Visit&& visit) {
     for (const ElementGroup& group : layout.groups) {
+        if (group.kind == ElementKind::tet) {
+            for (std::size_t k = 0; k < group.sums.vertex.size(); ++k) visit(std::size_t(group.sums.vertex[k]), group.first_place + k);
+            continue;
+        }
         for (std::size_t i = 0; i < group.element.size(); ++i) {
-            for (std::size_t a = 0; a < group.corners(); ++a) {
-                const std::size_t at = std::size_t(next[std::size_t(element_vertices(mesh, std::size_t(group.element[i]))[a])]++);
-                map.corner[at] = std::uint32_t(group.first_place + i * group.corners() + a);
-                map.element[at] = group.element[i];
-            }
+            const std::span<const std::int32_t> vertices = element_vertices(mesh, std::size_t(group.element[i]));
+            for (std::size_t a = 0; a < 8; ++a) visit(std::size_t(vertices[a]), group.first_place + i * 8 + a);
         }
     }
+}
+
+PlaceMap make_places(const VolumeMesh& mesh, const ElementLayout& layout) {
+    PlaceMap map;
+    map.start.assign(mesh.vertices.size() + 1, 0);
+    for_each_place(mesh, layout, [&](std::size_t v, std::size_t) { ++map.start[v + 1]; });
+    for (std::size_t v = 0; v < mesh.vertices.size(); ++v) map.start[v + 1] += map.start[v];
+    map.place.resize(std::size_t(map.start.back()));
+    std::vector<std::int64_t> next(map.start.begin(), map.start.end() - 1);
+    for_each_place(mesh, layout, [&](std::size_t v, std::size_t place) { map.place[std::size_t(next[v]++)] = std::uint32_t(place); });
     return map;
 }
 
 }  // namespace
-
-std::span<const std::int32_t> element_vertices(const VolumeMesh& mesh, std::size_t element) {
-    if (element < mesh.tets.size()) return mesh.tets[element];
-    return mesh.hexes[element - mesh.tets.size()];
-}
 
 ElementLayout make_layout(const VolumeMesh& mesh, std::span<const std::int32_t> family) {
     ElementLayout layout;
@@ -86,14 +85,16 @@ ElementLayout make_layout(const VolumeMesh& mesh, std::span<const std::int32_t> 
         group.first_block = layout.blocks;
         group.first_place = layout.places;
         layout.blocks += group.blocks();
-        layout.places += group.blocks() * kBlock * group.corners();
+        if (group.kind == ElementKind::tet) group.sums = make_corner_sums(group.tets, kBlockChunk);
+        layout.places += group.kind == ElementKind::tet ? group.sums.vertex.size() : group.blocks() * kBlock * 8;
         const AlignedVector<double>& volume = group.kind == ElementKind::tet ? group.tets.volume : group.hexes.volume;
         for (std::size_t i = 0; i < group.element.size(); ++i) {
             layout.slot[std::size_t(group.element[i])] = std::uint32_t(group.first_block * kBlock + i);
             layout.volume[std::size_t(group.element[i])] = volume[i];
         }
     }
-    layout.corners = make_places(mesh, layout);
+    layout.around = make_element_map(mesh);
+    layout.forces = make_places(mesh, layout);
     return layout;
 }
 

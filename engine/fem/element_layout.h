@@ -21,7 +21,8 @@ struct ElementGroup {
     Tet4Rest tets;                      ///< rest shapes of the group's kind; the other is empty
     Hex8Rest hexes;
     std::size_t first_block = 0;        ///< where its blocks begin in the arrays of the body
-    std::size_t first_place = 0;        ///< where its corners begin
+    CornerSums sums;                    ///< of tets
+    std::size_t first_place = 0;        ///< where its forces begin: of tets summed, of hexes corner by corner
     std::size_t corners() const { return kind == ElementKind::tet ? 4 : 8; }
     std::size_t blocks() const { return (element.size() + kBlock - 1) / kBlock; }
 };
@@ -32,18 +33,16 @@ struct ElementLayout {
     std::vector<ElementGroup> groups;
     std::size_t elements = 0, vertices = 0;
     std::size_t blocks = 0;             ///< of all groups; rotations, energies and stresses are [block][..][lane]
-    std::size_t places = 0;             ///< element corners with the free lanes; corner values are [place][x y z 0]
+    std::size_t places = 0;             ///< element corners and sums of them; values are [place][x y z 0]
     std::vector<std::uint32_t> slot;    ///< [element of the mesh] block * 8 + lane
     std::vector<double> volume;         ///< [element of the mesh] [m^3]
-    CornerMap corners;                  ///< the places at each vertex
+    ElementMap around;                  ///< the elements at each vertex
+    PlaceMap forces;                    ///< the places at each vertex
 };
 
 /// @param family  of each element; empty: all the same
 /// @param mesh    checked (check_and_repair); @error Error(invalid_argument) for a hexahedron that is folded at an integration point
 ElementLayout make_layout(const VolumeMesh& mesh, std::span<const std::int32_t> family = {});
-
-/// Its vertices: four of a tet, eight of a hex.
-std::span<const std::int32_t> element_vertices(const VolumeMesh& mesh, std::size_t element);
 
 /// Volume of an element that each of its corners carries: a quarter of a tet, the integral of the shape function in a hex [m^3]. They sum to its volume.
 /// @param share  out, 4 or 8 numbers. Returns how many.

@@ -13,25 +13,28 @@ Frame frame_of(const Material& material) {
     return Frame::polar;
 }
 
-void run_elements(Team& team, const ElementSet& set, Tet4Pass pass) {
+void run_elements(Team& team, const ElementSet& set, Tet4Pass pass, double* sum) {
     pass.vertex = set.rest.vertex.data();
     pass.gradient = set.rest.gradient.data();
     pass.volume = set.rest.volume.data();
     pass.moduli = set.moduli.data();
-    team.for_range(set.rest.blocks(), kBlockChunk, [&](std::size_t begin, std::size_t end) { set.kernels.elements[std::size_t(set.frame)](pass, begin, end); });
+    const auto kernel = set.kernels.elements[std::size_t(set.frame)];
+    if (sum != nullptr) return run_and_sum(team, set.rest.blocks(), set.sums, pass, sum, kernel);
+    team.for_range(set.rest.blocks(), kBlockChunk, [&](std::size_t begin, std::size_t end) { kernel(pass, begin, end); });
 }
 
-void run_product(Team& team, const ElementSet& set, Tet4Product pass) {
+void run_product(Team& team, const ElementSet& set, Tet4Product pass, double* sum) {
     pass.vertex = set.rest.vertex.data();
     pass.gradient = set.rest.gradient.data();
     pass.volume = set.rest.volume.data();
     pass.moduli = set.moduli.data();
+    if (sum != nullptr) return run_and_sum(team, set.rest.blocks(), set.sums, pass, sum, set.kernels.product);
     team.for_range(set.rest.blocks(), kBlockChunk, [&](std::size_t begin, std::size_t end) { set.kernels.product(pass, begin, end); });
 }
 
-void gather(Team& team, const CornerMap& corners, const AlignedVector<double>& corner, std::vector<Vec3>& out) {
+void gather(Team& team, const PlaceMap& map, const AlignedVector<double>& value, std::vector<Vec3>& out) {
     team.for_range(out.size(), kVertexChunk,
-                   [&](std::size_t begin, std::size_t end) { gather_corners(corners, corner.data(), begin, end, out.data()); });
+                   [&](std::size_t begin, std::size_t end) { gather_places(map, value.data(), begin, end, out.data()); });
 }
 
 }  // namespace supple::fem

@@ -31,7 +31,7 @@ public:
         : def_(def),
           lame_(group_lame(*def.group, materials)),
           moduli_(make_moduli(def.group->tets.blocks(), kept(lame_, volumetric_of(first_material(def, materials))))),
-          set_{def.group->tets, moduli_, tet4_kernels(def.isa), frame_of(first_material(def, materials))},
+          set_{def.group->tets, def.group->sums, moduli_, tet4_kernels(def.isa), frame_of(first_material(def, materials))},
           flow_(group_plasticity(*def.group, materials)) {
         const std::size_t lanes = set_.rest.blocks() * kBlock;
         const bool exact = def.exact_rotation && (set_.frame == Frame::polar || set_.frame == Frame::svd);
@@ -71,7 +71,6 @@ public:
             pass.dilatation = nullptr;
             pass.pressure = pressure_.data();
         }
-        pass.corner_force = outputs.corner_force;
         pass.energy = outputs.energy;
         pass.stress = outputs.stress;
         pass.plastic = outputs.plastic;
@@ -82,13 +81,13 @@ public:
         pass.twist = give(twist_);
         pass.twist_f = give(twist_f_);
         pass.twist_d = give(twist_d_);
-        run_elements(team, set_, pass);
+        run_elements(team, set_, pass, outputs.force);
         if (nodal_ && outputs.energy != nullptr) nodal_->add_energy(outputs.energy);
     }
 
     std::optional<Lame> lame(std::size_t element) const override { return lame_[element]; }
 
-    void product(Team& team, const double* quaternion, const double* field, double* corner_value) override {
+    void product(Team& team, const double* quaternion, const double* field, double* value) override {
         Tet4Product pass;
         pass.quaternion = quaternion;
         pass.twist = twist_.empty() ? nullptr : twist_.data();
@@ -100,8 +99,7 @@ public:
             pass.dilatation = nullptr;
             pass.pressure = pressure_.data();
         }
-        pass.corner_force = corner_value;
-        run_product(team, set_, pass);
+        run_product(team, set_, pass, value);
     }
 
     bool is_coupled() const override { return nodal_.has_value(); }
@@ -180,7 +178,6 @@ public:
         pass.position = position;
         pass.project = def_.project;
         pass.quaternion = quaternion;
-        pass.corner_force = outputs.corner_force;
         pass.energy = outputs.energy;
         pass.stress = outputs.stress;
         if (outputs.tangent) {
@@ -190,12 +187,13 @@ public:
             if (!block_d_.empty()) pass.block_d = block_d_.data();
         }
         const auto kernel = kernels_.elements[std::size_t(parameters_.law)];
+        if (outputs.force != nullptr) return run_and_sum(team, rest_.blocks(), def_.group->sums, pass, outputs.force, kernel);
         team.for_range(rest_.blocks(), kBlockChunk, [&](std::size_t begin, std::size_t end) { kernel(pass, begin, end); });
     }
 
     std::optional<Lame> lame(std::size_t) const override { return {}; }
 
-    void product(Team& team, const double*, const double* field, double* corner_value) override {
+    void product(Team& team, const double*, const double* field, double* value) override {
         Tet4HyperProduct pass;
         pass.vertex = rest_.vertex.data();
         pass.gradient = rest_.gradient.data();
@@ -207,9 +205,8 @@ public:
         pass.fibre_tangent = fibre_tangent_.data();
         pass.families = parameters_.families;
         pass.field = field;
-        pass.corner_force = corner_value;
         const auto kernel = is_tensor_law(parameters_.law) ? kernels_.product_tensor : kernels_.product;
-        team.for_range(rest_.blocks(), kBlockChunk, [&](std::size_t begin, std::size_t end) { kernel(pass, begin, end); });
+        run_and_sum(team, rest_.blocks(), def_.group->sums, pass, value, kernel);
     }
 
     void assemble(Team& team, double scale, std::span<const double> shift, float* value) override {

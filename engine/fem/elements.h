@@ -26,7 +26,7 @@ struct Contributions {
 /// What an evaluation is asked for; null is not computed. Layouts as in Tet4Pass, all groups one after the other (ElementLayout).
 struct ElementOutputs {
     const double* plastic = nullptr;  ///< in: plastic strain of elements that flow
-    double* corner_force = nullptr;
+    double* force = nullptr;          ///< elastic forces at the layout's places, [place][x y z 0] [N]: to be gathered (fem::gather)
     double* energy = nullptr;
     double* stress = nullptr;
     bool tangent = false;  ///< keep what product() and assemble() need
@@ -49,8 +49,8 @@ public:
     virtual std::optional<Lame> lame(std::size_t element) const = 0;
 
     /// K field, K the tangent of the last evaluation, element by element: float64, matrix-free.
-    /// @param corner_value  out [place][x y z 0]: to be gathered (fem::gather)
-    virtual void product(Team& team, const double* quaternion, const double* field, double* corner_value) = 0;
+    /// @param value  out [place][x y z 0]: to be gathered (fem::gather)
+    virtual void product(Team& team, const double* quaternion, const double* field, double* value) = 0;
 
     /// value = stiffness_scale K + diag(diagonal_shift), [block][column][x y z 0]; in the precision given at construction.
     /// With an empty diagonal_shift stiffness_scale K is added to what is there.

@@ -19,22 +19,12 @@ inline Matrix hex_gradient(const Vector d[7], const Vector g[7]) {
 
 /// Writes the values of the corners 1..7, and at corner 0 minus their sum: no net force. out: of the first lane.
 inline void store_hex_corners(double* out, const Vector f[7]) {
-    alignas(64) double s[24][kLanes];
     Vector sum = f[0];
     for (int k = 1; k < 7; ++k) sum = sum + f[k];
     sum = Lanes(-1.0) * sum;
     for (int a = 0; a < 8; ++a) {
         const Vector& v = a == 0 ? sum : f[a - 1];
-        store(s[3 * a], v.x);
-        store(s[3 * a + 1], v.y);
-        store(s[3 * a + 2], v.z);
-    }
-    for (int lane = 0; lane < kLanes; ++lane) {
-        double* to = out + std::size_t(lane) * 32;
-        for (int a = 0; a < 8; ++a) {
-            for (int c = 0; c < 3; ++c) to[4 * a + c] = s[3 * a + c][lane];
-            to[4 * a + 3] = 0;
-        }
+        store_points(out + 4 * a, 32, v.x, v.y, v.z, Lanes(0.0));
     }
 }
 

@@ -53,7 +53,7 @@ public:
         pass.stiffness = view();
         pass.position = position;
         pass.quaternion = quaternion;
-        pass.corner_force = outputs.corner_force;
+        pass.corner_force = outputs.force;
         pass.energy = outputs.energy;
         pass.stress = outputs.stress;
         if (outputs.tangent && !record_f_.empty()) pass.record_f = record_f_.data();
@@ -138,7 +138,7 @@ public:
         pass.position = position;
         pass.project = def_.project;
         pass.quaternion = quaternion;
-        pass.corner_force = outputs.corner_force;
+        pass.corner_force = outputs.force;
         pass.energy = outputs.energy;
         pass.stress = outputs.stress;
         if (outputs.tangent) {

@@ -4,6 +4,7 @@ namespace supple::fem {
 
 namespace {
 
+constexpr std::size_t kUnscale = 7;  ///< where a record has what makes its vectors R g_a
 constexpr std::size_t kVertexChunk = 512, kElementChunk = 512;
 
 std::size_t vertex_at(const Tet4Rest& rest, std::size_t element, std::size_t corner) {
@@ -84,7 +85,7 @@ void NodalVolume::multiply_add(Team& team, const Real* record, double scale, con
                 const Real* p = x + 4 * vertex_at(rest_, e, a);
                 sum += double(r[0] * p[0] + r[1] * p[1] + r[2] * p[2]);
             }
-            element_[e] = rest_.volume[e] / 4 * sum;
+            element_[e] = rest_.volume[e] / 4 * double(record[e * kRecord + kUnscale]) * sum;
         }
     });
     average(team);
@@ -94,7 +95,7 @@ void NodalVolume::multiply_add(Team& team, const Real* record, double scale, con
             for (std::int64_t i = start_[v]; i < start_[v + 1]; ++i) {
                 const std::uint32_t corner = corner_[std::size_t(i)];
                 const Real* r = record + std::size_t(corner / 4) * kRecord + 4 * (corner & 3u);
-                const double q = element_[corner / 4];
+                const double q = element_[corner / 4] * double(record[std::size_t(corner / 4) * kRecord + kUnscale]);
                 for (int c = 0; c < 3; ++c) sum[c] += q * double(r[c]);
             }
             for (std::size_t c = 0; c < 3; ++c) y[4 * v + c] += Real(scale * sum[c]);
@@ -123,7 +124,7 @@ void NodalVolume::add_diagonal(Team& team, const Real* record, std::span<Mat3> o
                         bool shared = false;
                         for (std::size_t c = 0; c < 4; ++c) shared |= vertex_at(rest_, e, c) == v;
                         const Real* r = record + e * kRecord + 4 * (corner & 3u);
-                        if (shared) row += rest_.volume[e] / 4 * Vec3(double(r[0]), double(r[1]), double(r[2]));
+                        if (shared) row += rest_.volume[e] / 4 * double(record[e * kRecord + kUnscale]) * Vec3(double(r[0]), double(r[1]), double(r[2]));
                     }
                     sum += modulus_[v] * row * row.transpose();
                 }

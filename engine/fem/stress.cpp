@@ -16,7 +16,7 @@ Voigt element_stress(const ElementLayout& layout, const double* block_stress, st
     return stress;
 }
 
-Voigt recover_at_vertex(const CornerMap& map, std::span<const double> volume, std::span<const Voigt> element_stress, std::size_t vertex) {
+Voigt recover_at_vertex(const ElementMap& map, std::span<const double> volume, std::span<const Voigt> element_stress, std::size_t vertex) {
     Voigt sum{};
     double total = 0;
     for (std::int64_t i = map.start[vertex]; i < map.start[vertex + 1]; ++i) {

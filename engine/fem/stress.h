@@ -13,6 +13,6 @@ double von_mises(const Voigt& cauchy);
 Voigt element_stress(const ElementLayout& layout, const double* block_stress, std::size_t element);
 
 /// Volume-weighted mean of the tensors of the elements around a vertex; zero where there is none.
-Voigt recover_at_vertex(const CornerMap& map, std::span<const double> volume, std::span<const Voigt> element_stress, std::size_t vertex);
+Voigt recover_at_vertex(const ElementMap& map, std::span<const double> volume, std::span<const Voigt> element_stress, std::size_t vertex);
 
 }  // namespace supple::fem

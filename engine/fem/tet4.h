@@ -37,9 +37,10 @@ struct Tet4Pass {
 
     double* quaternion = nullptr;         ///< [block][w x y z][lane]: warm start in (polar), rotation of the element out
     double* twist = nullptr;              ///< out [block][xx yy zz xy yz zx][lane] twist stiffness T in the frame, polar and svd only [Pa]
-    float* twist_f = nullptr;             ///< out [element][xx yy zz xy yz zx 0 0] V/2 R T R^T, with twist
+    float* twist_f = nullptr;             ///< out [element][xx yy zz xy yz zx 0 0] R T R^T / (2 mu), with twist
     double* twist_d = nullptr;
-    double* corner_force = nullptr;       ///< out [element][corner][x y z 0] [N], elastic force on each corner
+    double* corner_force = nullptr;       ///< out [element][corner][x y z 0] [N], elastic force on each corner, from the first element of corner_block on
+    std::size_t corner_block = 0;
     float* record_f = nullptr;            ///< out, element record (below), float32 or float64
     double* record_d = nullptr;
     double* energy = nullptr;             ///< out [block][lane] [J]
@@ -47,8 +48,8 @@ struct Tet4Pass {
     double* stress = nullptr;             ///< out [block][xx yy zz xy yz zx][lane], Cauchy [Pa]
 };
 
-/// An element record is what the stiffness blocks are made of: [corner][x y z] the rotated rest gradient R g_a, and in the fourth
-/// place of corner 0 lambda V, of corner 1 mu V. 16 numbers: one cache line in float32.
+/// An element record is what the stiffness blocks are made of: [corner][x y z] the rotated rest gradient sqrt(mu V) R g_a, and in the fourth
+/// place of corner 0 lambda / mu, of corner 1 1 / sqrt(mu V) (zeros where mu V is zero). 16 numbers: one cache line in float32.
 inline constexpr std::size_t kRecord = 16;
 
 /// Plastic flow of a step, added to the strain kept in the frame of each element:
@@ -75,7 +76,8 @@ struct Tet4Product {
     const double* pressure = nullptr;     ///< [block][lane] added to the mean stress, or null
     const double* field = nullptr;        ///< [vertex][3]
     double* dilatation = nullptr;         ///< out [block][lane] tr(R^T dF); with it nothing else is computed
-    double* corner_force = nullptr;       ///< out [element][corner][x y z 0]: (K d) corner by corner
+    double* corner_force = nullptr;       ///< out [element][corner][x y z 0]: (K d) corner by corner, from the first element of corner_block on
+    std::size_t corner_block = 0;
 };
 
 /// Row range of the stiffness matrix, gathered block by block from element records. Index lists come from solve::Bsr3Pattern.

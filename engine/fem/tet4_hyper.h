@@ -34,6 +34,7 @@ struct Tet4HyperPass {
 
     double* quaternion = nullptr;           ///< [block][w x y z][lane]: warm start in, rotation out
     double* corner_force = nullptr;         ///< as in Tet4Pass
+    std::size_t corner_block = 0;
     double* tangent = nullptr;              ///< out [block][kTangent or kTensorTangent][lane]
     double* fibre_tangent = nullptr;        ///< out [block][family][kFibreTangent][lane], needs tangent
     float* block_f = nullptr;               ///< out [element][kElementBlocks], needs tangent
@@ -54,6 +55,7 @@ struct Tet4HyperProduct {
     std::size_t families = 0;
     const double* field = nullptr;
     double* corner_force = nullptr;
+    std::size_t corner_block = 0;
 };
 
 /// As Tet4Assembly, from element blocks.

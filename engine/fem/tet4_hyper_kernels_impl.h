@@ -84,7 +84,7 @@ struct Response {
     if (pass.corner_force != nullptr) {
         Vector f[4];
         corner_forces(r.P, k.g, k.volume, f);
-        store_corners(pass.corner_force + at * 16, f, Lanes(0.0), Lanes(0.0));
+        store_corners(pass.corner_force + (at - pass.corner_block * kBlock) * 16, f, Lanes(0.0), Lanes(0.0));
     }
     if (pass.energy != nullptr) store(pass.energy + at, k.volume * r.W);
     if (pass.stress == nullptr) return;
@@ -176,7 +176,7 @@ void product(const Tet4HyperProduct& pass, std::size_t begin, std::size_t end) {
         }
         Vector f[4];
         corner_forces(P, g, Lanes(0.0) - load(pass.volume + at), f);
-        store_corners(pass.corner_force + at * 16, f, Lanes(0.0), Lanes(0.0));
+        store_corners(pass.corner_force + (at - pass.corner_block * kBlock) * 16, f, Lanes(0.0), Lanes(0.0));
     }
 }
 

@@ -8,6 +8,8 @@
 ///     K_ab (R held) = V (lambda g'_a g'_b^T + mu g'_b g'_a^T + mu (g_a.g_b) I),   g' = R g
 /// With plastic strain e_p, e is sym(R^T F) - I - e_p.
 ///
+/// With r_a = sqrt(mu V) g'_a the first two terms are (lambda/mu) r_a r_b^T + r_b r_a^T: what assemble() sums.
+///
 /// The derivative of the polar factor R adds a stiffness to the twist of F alone. With S = R^T F, G = R^T dF, skew(G) = [w]x and dR = R [r]x:
 ///     (tr(S) I - S) r = 2 w,      R^T dP = mu (G + G^T) + lambda tr(G) I + [T w]x,
 ///     T = 2 mu I + 2 (lambda tr(S - I) - 2 mu) (tr(S) I - S)^-1,
@@ -124,14 +126,17 @@ inline void elements(const Tet4Pass& pass, std::size_t begin, std::size_t end) {
         if (pass.corner_force != nullptr) {
             Vector f[4];
             corner_forces(P, g, V, f);
-            store_corners(pass.corner_force + at * 16, f, Lanes(0.0), Lanes(0.0));
+            store_corners(pass.corner_force + (at - pass.corner_block * kBlock) * 16, f, Lanes(0.0), Lanes(0.0));
         }
         if (pass.record_f != nullptr || pass.record_d != nullptr) {
             Vector r[4];
-            for (int k = 0; k < 3; ++k) r[k + 1] = R * g[k];
+            const LaneMask stiff = mu * V > Lanes(0.0);
+            const Lanes size = root(mu * V), inverse = choose(stiff, one / choose(stiff, size, one), Lanes(0.0));
+            const Lanes ratio = choose(stiff, lambda / choose(stiff, mu, one), Lanes(0.0));
+            for (int k = 0; k < 3; ++k) r[k + 1] = size * (R * g[k]);
             r[0] = Lanes(-1.0) * (r[1] + r[2] + r[3]);
-            if (pass.record_f != nullptr) store_corners(pass.record_f + at * kRecord, r, lambda * V, mu * V);
-            if (pass.record_d != nullptr) store_corners(pass.record_d + at * kRecord, r, lambda * V, mu * V);
+            if (pass.record_f != nullptr) store_corners(pass.record_f + at * kRecord, r, ratio, inverse);
+            if (pass.record_d != nullptr) store_corners(pass.record_d + at * kRecord, r, ratio, inverse);
         }
         if constexpr (frame == Frame::polar || frame == Frame::svd) {
             if (pass.twist != nullptr) {
@@ -139,8 +144,9 @@ inline void elements(const Tet4Pass& pass, std::size_t begin, std::size_t end) {
                 double* twist = pass.twist + block * 6 * kBlock + lane;
                 for (int c = 0; c < 6; ++c) store(twist + std::size_t(c) * kBlock, T.m[kVoigtRow[c]][kVoigtColumn[c]]);
                 const Matrix turned = turn_of(R * T, R);  // R T R^T
-                if (pass.twist_f != nullptr) store_twist(pass.twist_f + at * kTwistRecord, turned, half * V);
-                if (pass.twist_d != nullptr) store_twist(pass.twist_d + at * kTwistRecord, turned, half * V);
+                const Lanes share = choose(mu > Lanes(0.0), half / choose(mu > Lanes(0.0), mu, one), Lanes(0.0));  // V/2, and the record's vectors have sqrt(mu V)
+                if (pass.twist_f != nullptr) store_twist(pass.twist_f + at * kTwistRecord, turned, share);
+                if (pass.twist_d != nullptr) store_twist(pass.twist_d + at * kTwistRecord, turned, share);
             }
         }
         if (pass.energy != nullptr) {
@@ -246,7 +252,7 @@ inline void product(const Tet4Product& pass, std::size_t begin, std::size_t end)
         }
         Vector f[4];
         corner_forces(R * S, g, Lanes(0.0) - V, f);
-        store_corners(pass.corner_force + at * 16, f, Lanes(0.0), Lanes(0.0));
+        store_corners(pass.corner_force + (at - pass.corner_block * kBlock) * 16, f, Lanes(0.0), Lanes(0.0));
     }
 }
 
@@ -273,18 +279,22 @@ inline void assemble(const Tet4Assembly<Real>& pass, std::size_t begin, std::siz
             const bool add = pass.diagonal_shift == nullptr;
             if (add && pass.contribution_start[block] == pass.contribution_start[block + 1]) continue;
             const Real shift = Real(pass.stiffness_scale * pass.laplacian[block] + (column == row && !add ? pass.diagonal_shift[row] : 0.0));
-            R4 c0 = {0, 0, 0, 0}, c1 = c0, c2 = c0;
-            const std::uint32_t* entry = pass.contribution + pass.contribution_start[block];
+            PairSum<Real> sum;
+            const std::uint32_t* const first = pass.contribution + pass.contribution_start[block];
             const std::uint32_t* const last = pass.contribution + pass.contribution_start[block + 1];
-            for (; entry != last; ++entry) {
+            for (const std::uint32_t* entry = first; entry != last; ++entry) {
                 const Real* record = pass.record + std::size_t(*entry >> 4) * kRecord;
-                const R4 a = load4(record + ((*entry >> 2) & 3u) * 4), b = load4(record + (*entry & 3u) * 4);
-                const Real lambda = record[3], mu = record[7];
-                const R4 la = a * lambda, mb = b * mu;
-                c0 += la * splat<0>(b) + mb * splat<0>(a);
-                c1 += la * splat<1>(b) + mb * splat<1>(a);
-                c2 += la * splat<2>(b) + mb * splat<2>(a);
-                if (pass.twist != nullptr) add_twist(pass.twist + std::size_t(*entry >> 4) * kTwistRecord, a, b, c0, c1, c2);
+                sum.add(record + (*entry & 12u), record + (*entry & 3u) * 4, record[3]);
+            }
+            R4 c[3];
+            sum.columns(c);
+            R4 &c0 = c[0], &c1 = c[1], &c2 = c[2];
+            if (pass.twist != nullptr) {
+                for (const std::uint32_t* entry = first; entry != last; ++entry) {
+                    const Real* record = pass.record + std::size_t(*entry >> 4) * kRecord;
+                    const R4 a = load4(record + (*entry & 12u)), b = load4(record + (*entry & 3u) * 4);
+                    add_twist(pass.twist + std::size_t(*entry >> 4) * kTwistRecord, a, b, c0, c1, c2);
+                }
             }
             c0 *= xyz * scale;
             c1 *= xyz * scale;

@@ -2,6 +2,7 @@
 /// What the kernels of linear tetrahedra share: reading corners and gradients of a batch, writing forces. Kernel units only.
 #include "supple/fem/tet4.h"
 #include "supple/math/lane_mat3.h"
+#include "supple/math/lane_transpose.h"
 #include "supple/math/lanes4.h"
 
 namespace supple::fem {
@@ -14,17 +15,13 @@ using Matrix = M3<Lanes>;
 /// Values of a vertex field at the corners of the elements in some lanes of a block, as differences to corner 0: d[corners - 1].
 template <int corners>
 inline void differences(const double* field, const std::int32_t* vertex, Vector* d) {
-    alignas(64) double c[corners][3][kLanes];
-    for (int a = 0; a < corners; ++a) {
-        for (int lane = 0; lane < kLanes; ++lane) {
-            const double* p = field + 3 * std::size_t(vertex[a * int(kBlock) + lane]);
-            c[a][0][lane] = p[0];
-            c[a][1][lane] = p[1];
-            c[a][2][lane] = p[2];
-        }
+    Vector c0;
+    load_points(field, vertex, c0.x, c0.y, c0.z);
+    for (int k = 0; k + 1 < corners; ++k) {
+        Vector c;
+        load_points(field, vertex + (k + 1) * int(kBlock), c.x, c.y, c.z);
+        d[k] = c - c0;
     }
-    const Vector c0{load(c[0][0]), load(c[0][1]), load(c[0][2])};
-    for (int k = 0; k + 1 < corners; ++k) d[k] = Vector{load(c[k + 1][0]), load(c[k + 1][1]), load(c[k + 1][2])} - c0;
 }
 
 /// Vectors of a block, [..][x y z][lane].
@@ -60,16 +57,7 @@ inline Matrix turn_of(const Matrix& now, const Matrix& rest) {
 /// Writes four vectors per lane as [lane][corner][x y z w]; w given for corners 0 and 1, zero for the others.
 template <class Real>
 inline void store_corners(Real* out, const Vector v[4], Lanes w0, Lanes w1) {
-    alignas(64) double s[16][kLanes];
-    const Lanes zero(0.0);
-    for (int a = 0; a < 4; ++a) {
-        store(s[4 * a], v[a].x);
-        store(s[4 * a + 1], v[a].y);
-        store(s[4 * a + 2], v[a].z);
-        store(s[4 * a + 3], a == 0 ? w0 : a == 1 ? w1 : zero);
-    }
-    for (int lane = 0; lane < kLanes; ++lane)
-        for (int i = 0; i < 16; ++i) out[std::size_t(lane) * 16 + std::size_t(i)] = Real(s[i][lane]);
+    for (int a = 0; a < 4; ++a) store_points(out + 4 * a, 16, v[a].x, v[a].y, v[a].z, a == 0 ? w0 : a == 1 ? w1 : Lanes(0.0));
 }
 
 /// f_a = -scale P g_a for the four corners.

@@ -101,7 +101,57 @@ private:
     FourOf<Real> s0_ = {0, 0, 0, 0}, s1_ = {0, 0, 0, 0}, s2_ = {0, 0, 0, 0};
 };
 
+/// Sums over pairs of vectors of s a b^T + b a^T, a 3x3 block.
+template <class Real>
+class PairSum {
+public:
+    /// a, b: x y z and a fourth number that does not matter
+    void add(const Real* a, const Real* b, Real s) {
+        const FourOf<Real> u = load4(a), v = load4(b), su = s * u, b0 = splat<0>(v), b1 = splat<1>(v), b2 = splat<2>(v);
+        for_[0] += su * b0;
+        for_[1] += su * b1;
+        for_[2] += su * b2;
+        back_[0] += u * b0;
+        back_[1] += u * b1;
+        back_[2] += u * b2;
+    }
+    /// Columns of the block; the fourth number of each is zero.
+    void columns(FourOf<Real> c[3]) const {
+        for (int k = 0; k < 3; ++k) c[k] = FourOf<Real>{for_[k][0] + back_[0][k], for_[k][1] + back_[1][k], for_[k][2] + back_[2][k], 0};
+    }
+
+private:
+    FourOf<Real> for_[3] = {}, back_[3] = {};  ///< columns of the sums of s a b^T and a b^T
+};
+
 #if defined(__AVX512F__) && defined(__AVX512BW__)
+/// x y z of p spread over the quarters of a register, and p in every quarter.
+inline __m512 spread3(const float* p) {
+    const __m512i order = _mm512_set_epi32(3, 3, 3, 3, 2, 2, 2, 2, 1, 1, 1, 1, 0, 0, 0, 0);
+    return _mm512_permutevar_ps(_mm512_broadcast_f32x4(_mm_load_ps(p)), order);
+}
+
+template <>
+class PairSum<float> {
+public:
+    void add(const float* a, const float* b, float s) {
+        const __m512 u = _mm512_broadcast_f32x4(_mm_load_ps(a)), v = spread3(b);
+        for_ = _mm512_fmadd_ps(_mm512_mul_ps(u, _mm512_set1_ps(s)), v, for_);
+        back_ = _mm512_fmadd_ps(u, v, back_);
+    }
+    void columns(Float4 c[3]) const {
+        // The first twelve numbers of for_ + back_^T, 3x3 within quarters.
+        const __m512i turned = _mm512_set_epi32(15, 15, 15, 15, 15, 10, 6, 2, 15, 9, 5, 1, 15, 8, 4, 0);
+        const __m512 sum = _mm512_maskz_mov_ps(0x0777, _mm512_add_ps(for_, _mm512_permutexvar_ps(turned, back_)));
+        c[0] = Float4(_mm512_castps512_ps128(sum));
+        c[1] = Float4(_mm512_extractf32x4_ps(sum, 1));
+        c[2] = Float4(_mm512_extractf32x4_ps(sum, 2));
+    }
+
+private:
+    __m512 for_ = _mm512_setzero_ps(), back_ = _mm512_setzero_ps();
+};
+
 inline void store_rounded12(std::int16_t* to, const float* from, float factor) {
     const __m512 v = _mm512_mul_ps(_mm512_maskz_loadu_ps(0x0fff, from), _mm512_set1_ps(factor));
     const __m256i rounded = _mm512_cvtsepi32_epi16(_mm512_cvtps_epi32(v));
@@ -113,11 +163,11 @@ inline void store_rounded12(std::int16_t* to, const float* from, float factor) {
 template <>
 class BlockSum<float> {
 public:
-    void add(const float* block, const float* x) { sum_ = _mm512_fmadd_ps(_mm512_maskz_loadu_ps(0x0fff, block), spread(x), sum_); }
+    void add(const float* block, const float* x) { sum_ = _mm512_fmadd_ps(_mm512_maskz_loadu_ps(0x0fff, block), spread3(x), sum_); }
     /// Reads eight bytes past the block.
     void add(const std::int16_t* block, const float* x) {
         const __m512i wide = _mm512_cvtepi16_epi32(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(block)));
-        sum_ = _mm512_fmadd_ps(_mm512_cvtepi32_ps(wide), spread(x), sum_);
+        sum_ = _mm512_fmadd_ps(_mm512_cvtepi32_ps(wide), spread3(x), sum_);
     }
     void merge(const BlockSum& other) { sum_ = _mm512_add_ps(sum_, other.sum_); }
     Float4 total() const {
@@ -126,10 +176,6 @@ public:
     }
 
 private:
-    static __m512 spread(const float* x) {
-        const __m512i order = _mm512_set_epi32(3, 3, 3, 3, 2, 2, 2, 2, 1, 1, 1, 1, 0, 0, 0, 0);
-        return _mm512_permutevar_ps(_mm512_broadcast_f32x4(_mm_load_ps(x)), order);
-    }
     __m512 sum_ = _mm512_setzero_ps();
 };
 #endif

@@ -97,7 +97,6 @@ void lay_state_again(BodyState& state, const fem::ElementLayout& from, const fem
     constexpr double kNoTurn[4] = {1, 0, 0, 0}, kNoStrain[6] = {};
     if (from.slot != to.slot || from.blocks != to.blocks) {
         lay_again(state.quaternion, kNoTurn, from, to);
-        lay_again(state.hierarchy_quaternion, kNoTurn, from, to);
         if (!state.plastic.empty()) lay_again(state.plastic, kNoStrain, from, to);
     }
     const std::size_t plastic = is_plastic ? to.blocks * 6 * fem::kBlock : 0;
@@ -118,7 +117,7 @@ void couple_elements(Body& body) {
 
 void size_workspace(Workspace& w, const fem::ElementLayout& layout) {
     const std::size_t n = layout.vertices;
-    w.corner.resize(layout.places * 4);
+    w.force_parts.resize(layout.places * 4);
     for (auto* field : {&w.base_x, &w.base_v, &w.y, &w.v0, &w.v_start, &w.f_ext, &w.f_dead, &w.b, &w.rhs, &w.free_rhs, &w.dv, &w.residual, &w.product, &w.bare}) {
         field->assign(n, Vec3::Zero());
     }
@@ -153,7 +152,7 @@ void apply_materials(Body& body, const BodyDef& def, const WorldDef& world, Isa 
     body.elements = std::move(matter.elements);
     body.own_layout = std::move(matter.layout);
     if (!at_work) return;
-    body.work.corner.resize(to.places * 4);
+    body.work.force_parts.resize(to.places * 4);
     couple_elements(body);
     drop_preconditioner(body);
 }
@@ -193,7 +192,9 @@ std::unique_ptr<Body> make_body(const BodyDef& def, const WorldDef& world, std::
     if (body->elements->is_plastic()) s.plastic.assign(blocks * 6 * fem::kBlock, 0.0);
     s.frozen.assign(1, 0);
     s.hierarchy_x = data.mesh.vertices;
-    s.hierarchy_quaternion = s.quaternion;
+    s.next_x = s.hierarchy_x;
+    s.hierarchy_held.assign(n, 0);
+    s.next_held = s.hierarchy_held;
     s.solver.assign(kMemoryCount, 0);
     body->start = s;
 
@@ -235,7 +236,7 @@ void update_stress(const Body& body, Team& team) {
     });
     team.for_range(vertices, 512, [&](std::size_t begin, std::size_t end) {
         for (std::size_t v = begin; v < end; ++v) {
-            s.vertex[v] = fem::recover_at_vertex(layout.corners, layout.volume, s.element, v);
+            s.vertex[v] = fem::recover_at_vertex(layout.around, layout.volume, s.element, v);
             s.vertex_von_mises[v] = fem::von_mises(s.vertex[v]);
         }
     });

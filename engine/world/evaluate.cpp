@@ -22,7 +22,7 @@ struct Configuration {
         def.exact_rotation = tangent == Tangent::exact;
         elements = fem::make_elements(def, {.materials = {material}, .material_of_element = {}, .stiffness_factor = {}});
         quaternion.resize(layout.blocks * 4 * fem::kBlock);
-        corner.resize(layout.places * 4);
+        force_parts.resize(layout.places * 4);
         fem::seed_rotations(team, layout, positions, quaternion);
     }
 
@@ -39,7 +39,7 @@ struct Configuration {
     const fem::ElementLayout& layout;
     Team team;
     std::unique_ptr<fem::Elements> elements;
-    AlignedVector<double> quaternion, corner;
+    AlignedVector<double> quaternion, force_parts;
 };
 
 }  // namespace
@@ -49,20 +49,20 @@ Evaluation evaluate(const BodyTemplate& shape, const Material& material, std::sp
     const std::size_t elements = c.layout.elements;
     AlignedVector<double> energy(c.layout.blocks * fem::kBlock), stress(c.layout.blocks * 6 * fem::kBlock);
     fem::ElementOutputs outputs;
-    outputs.corner_force = c.corner.data();
+    outputs.force = c.force_parts.data();
     outputs.energy = energy.data();
     outputs.stress = stress.data();
     c.elements->evaluate(c.team, positions_m.data()->data(), c.quaternion.data(), outputs);
 
     Evaluation result;
     result.forces_n.resize(positions_m.size());
-    fem::gather(c.team, c.layout.corners, c.corner, result.forces_n);
+    fem::gather(c.team, c.layout.forces, c.force_parts, result.forces_n);
     for (const double w : energy) result.energy_j += w;
     result.element_stress_pa.resize(elements);
     for (std::size_t e = 0; e < elements; ++e) result.element_stress_pa[e] = fem::element_stress(c.layout, stress.data(), e);
     result.vertex_stress_pa.resize(positions_m.size());
     for (std::size_t v = 0; v < positions_m.size(); ++v) {
-        result.vertex_stress_pa[v] = fem::recover_at_vertex(c.layout.corners, c.layout.volume, result.element_stress_pa, v);
+        result.vertex_stress_pa[v] = fem::recover_at_vertex(c.layout.around, c.layout.volume, result.element_stress_pa, v);
     }
     return result;
 }
@@ -82,7 +82,7 @@ std::vector<Vec3> force_differential(const BodyTemplate& shape, const Material& 
     outputs.tangent = true;
     c.elements->evaluate(c.team, positions_m.data()->data(), c.quaternion.data(), outputs);
     std::vector<Vec3> df(positions_m.size());
-    fem::stiffness_product(c.team, *c.elements, c.layout, c.quaternion.data(), direction_m, c.corner, df);
+    fem::stiffness_product(c.team, *c.elements, c.layout, c.quaternion.data(), direction_m, c.force_parts, df);
     for (Vec3& v : df) v = -v;
     return df;
 }

@@ -3,6 +3,7 @@
 #include "supple/base/byte_stream.h"
 #include "supple/base/hash.h"
 #include "supple/world/impl.h"
+#include "supple/world/precondition.h"
 
 namespace supple {
 
@@ -212,8 +213,10 @@ void World::restore(std::span<const std::byte> snapshot) {
     w.next_drag_generation = std::max(w.next_drag_generation, next_drag);  // no handle given out since the save may come to life again
     for (std::size_t i = 0; i < states.size(); ++i) {
         Body& body = *w.slots[w.order[i]].body;
+        restart_preconditioner(body, states[i]);
         std::swap(body.state, states[i]);
         body.supports_changed = true;
+        body.supports_edited = false;  // the snapshot says what its preconditioner was built from
         body.stress.valid = false;
     }
     w.drags = std::move(drags);
@@ -239,8 +242,10 @@ void World::reset() {
     w.contact_report.clear();
     for (const std::uint32_t slot : w.order) {
         Body& body = *w.slots[slot].body;
-        if (body.state.hierarchy_x != body.start.hierarchy_x) body.preconditioner_fits = false;
-        body.state = body.start;
+        BodyState start = body.start;
+        start.hierarchy_held = held_bits(body);
+        restart_preconditioner(body, start);
+        body.state = std::move(start);
         body.stress.valid = false;
     }
 }

@@ -14,7 +14,7 @@ using solve::kRowChunk;
 constexpr double kBlownUp = 1e6;
 
 void stiffness_product(StepContext& ctx, Body& body, const std::vector<Vec3>& field) {
-    fem::stiffness_product(ctx.team, *body.elements, body.layout(), body.state.quaternion.data(), field, body.work.corner, body.work.product);
+    fem::stiffness_product(ctx.team, *body.elements, body.layout(), body.state.quaternion.data(), field, body.work.force_parts, body.work.product);
 }
 
 void gather_loads(StepContext& ctx, Body& body, double time_s) {
@@ -43,12 +43,12 @@ double evaluate_elements(StepContext& ctx, Body& body, bool at_current) {
         body.loads.add_followers(ctx.team, ctx.time_s, w.y, w.f_ext);
     }
     fem::ElementOutputs outputs;
-    outputs.corner_force = w.corner.data();
+    outputs.force = w.force_parts.data();
     outputs.plastic = plastic_strain(body);
     outputs.tangent = true;
     body.elements->evaluate(ctx.team, w.y.data()->data(), s.quaternion.data(), outputs);
     ctx.team.for_range(body.vertices(), kRowChunk, [&](std::size_t begin, std::size_t end) {
-        fem::gather_corners(body.layout().corners, w.corner.data(), begin, end, w.b.data());
+        fem::gather_places(body.layout().forces, w.force_parts.data(), begin, end, w.b.data());
         for (std::size_t i = begin; i < end; ++i) {
             if (inertia) {
                 w.b[i] = h * (w.b[i] + w.f_ext[i] - alpha * body.mass[i] * w.v0[i]) - body.mass[i] * (w.v0[i] - w.base_v[i]);

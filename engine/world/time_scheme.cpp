@@ -38,14 +38,14 @@ void start_accelerations(StepContext& ctx, Body& body) {
     BodyState& s = body.state;
     gather_loads(ctx, body, ctx.time_s - def.time_step_s);
     fem::ElementOutputs outputs;
-    outputs.corner_force = w.corner.data();
+    outputs.force = w.force_parts.data();
     outputs.plastic = plastic_strain(body);
     outputs.tangent = true;
     body.elements->evaluate(ctx.team, s.x.data()->data(), s.quaternion.data(), outputs);
     stiffness_product(ctx, body, s.v);
     const double alpha = def.solver.rayleigh_mass_1_s, beta = def.solver.rayleigh_stiffness_s;
     ctx.team.for_range(body.vertices(), kRowChunk, [&](std::size_t begin, std::size_t end) {
-        fem::gather_corners(body.layout().corners, w.corner.data(), begin, end, w.b.data());
+        fem::gather_places(body.layout().forces, w.force_parts.data(), begin, end, w.b.data());
         for (std::size_t i = begin; i < end; ++i) {
             s.a[i] = Vec3::Zero();
             if (body.mass[i] > 0) s.a[i] = free_part(body, i, (w.b[i] + w.f_ext[i] - beta * w.product[i]) / body.mass[i] - alpha * s.v[i]);

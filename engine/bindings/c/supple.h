@@ -94,7 +94,7 @@ typedef enum SuppleStepFlag {
     SUPPLE_FLAG_NON_FINITE = 4, /* a body became non-finite: rolled back to the start of the step and frozen */
     SUPPLE_FLAG_FROZEN = 8,
     SUPPLE_FLAG_NEWTON_CAP = 16,
-    SUPPLE_FLAG_CONTACT_CAP = 256 /* contacts still changed when their iterations were used up */
+    SUPPLE_FLAG_CONTACT_CAP = 512 /* contacts still changed when their iterations were used up */
 } SuppleStepFlag;
 
 typedef struct SuppleStepReport {
