@@ -17,12 +17,6 @@ WorldDef quick(double h = 1.0 / 120) {
     return def;
 }
 
-double lowest(const World& world, BodyId body) {
-    double low = 1e9;
-    for (const Vec3& x : world.positions(body)) low = std::min(low, x.y());
-    return low;
-}
-
 MeshShape mesh_box(const Vec3& half) {
     const contact::ShapeSurface s = contact::surface_of(BoxShape{half}, 1);
     return {contact::DistanceGrid::build(s.vertices, s.triangles)};
@@ -148,14 +142,14 @@ TEST(ContactRest, ASoftSphereOnAPlaneFollowsHertz) {
     def.solver.integrator = Integrator::quasi_static;
     def.time_step_s = 0.1;
     World world(def);
-    const auto shape = quarter_ball(14, 1.7);
+    const auto shape = quarter_ball(18, 2);
     const BodyId body = world.add_body({.shape = shape, .material = Corotational{.young_pa = kYoung, .poisson = kPoisson}});
     world.fix(body, InsideBox{{-1e-9, -2, -2}, {1e-9, 2, 2}}, {true, false, false});
     world.fix(body, InsideBox{{-2, -1e-9, -2}, {2, 1e-9, 2}}, {false, true, false});
     Motion down;
     down.where = InsideBox{{-2, -2, -1e-9}, {2, 2, 1e-9}};
     down.axes = {false, false, true};
-    const std::vector<double> depths = {0.02, 0.04, 0.06, 0.08};
+    const std::vector<double> depths = {0.01, 0.02, 0.03, 0.04};
     down.displacement_m.times_s = {0};
     down.displacement_m.values = {Vec3::Zero()};
     for (std::size_t i = 0; i < depths.size(); ++i) {

@@ -42,31 +42,57 @@ constexpr int kHalvings = 16;    // of a line search
 constexpr int kSections = 16;     // of the golden section
 constexpr int kMarches = 200;
 constexpr double kFlat = 1e-3;   // of the triangle's size: a gain that is none
+constexpr double kPull = 0.02;   // towards the middle of a triangle, of its size at its size's distance
 
-/// Where along p -> q the distance is least: by its slope, which changes its sign once where the distance is convex.
-double least_along(const Shape& shape, const Vec3& p, const Vec3& q) {
+/// What is made least: the distance, and a little for being far from the middle. Where a triangle lies flat on a face, or along an edge, many points are as deep;
+/// this chooses one that moves smoothly with the two.
+struct Depth {
+    const Shape& shape;
+    Vec3 middle;
+    double size, pull;
+
+    Depth(const Shape& s, const Vec3& a, const Vec3& b, const Vec3& c)
+        : shape(s), middle((a + b + c) / 3), size(std::max((b - a).norm(), (c - a).norm())), pull(size > 0 ? kPull / size : 0) {}
+    double value(double d, const Vec3& p) const { return d + pull * (p - middle).squaredNorm(); }
+    Vec3 slope(const Distance& at, const Vec3& p) const { return at.normal + 2 * pull * (p - middle); }
+    Vec3 slope(const Vec3& p) const { return slope(distance(shape, p), p); }
+};
+
+struct Candidate {
+    TrianglePoint point;
+    Vec3 p = Vec3::Zero();
+    double value = 0;
+};
+
+Candidate look_at(const Depth& depth, const Vec3& barycentric, const Vec3& p) {
+    const Distance at = distance(depth.shape, p);
+    return {{barycentric, at}, p, depth.value(at.d, p)};
+}
+
+/// Where along p -> q it is least: by its slope, which changes its sign once where the distance is convex.
+double least_along(const Depth& depth, const Vec3& p, const Vec3& q) {
     const Vec3 way = q - p;
-    if (distance(shape, q).normal.dot(way) <= 0) return 1;
+    if (depth.slope(q).dot(way) <= 0) return 1;
     double low = 0, high = 1;
     for (int i = 0; i < kHalvings; ++i) {
-        const double middle = 0.5 * (low + high);
-        (distance(shape, p + middle * way).normal.dot(way) <= 0 ? low : high) = middle;
+        const double half = 0.5 * (low + high);
+        (depth.slope(p + half * way).dot(way) <= 0 ? low : high) = half;
     }
     return 0.5 * (low + high);
 }
 
 /// Lines across the triangle, the least on each, and the golden section over the lines: slow, but creases of the distance do not stop it.
-TrianglePoint search_lines(const Shape& shape, const Vec3& a, const Vec3& b, const Vec3& c) {
+Candidate search_lines(const Depth& depth, const Vec3& a, const Vec3& b, const Vec3& c) {
     const auto on_line = [&](double s) {
         const Vec3 p = a + s * (b - a), q = a + s * (c - a);
-        const double t = least_along(shape, p, q);
-        return TrianglePoint{Vec3(1 - s, s * (1 - t), s * t), distance(shape, p + t * (q - p))};
+        const double t = least_along(depth, p, q);
+        return look_at(depth, Vec3(1 - s, s * (1 - t), s * t), p + t * (q - p));
     };
     constexpr double kGolden = 0.6180339887498949;
     double low = 0, high = 1, s1 = 1 - kGolden, s2 = kGolden;
-    TrianglePoint p1 = on_line(s1), p2 = on_line(s2);
+    Candidate p1 = on_line(s1), p2 = on_line(s2);
     for (int i = 0; i < kSections; ++i) {
-        if (p1.at.d <= p2.at.d) {
+        if (p1.value <= p2.value) {
             high = s2;
             s2 = s1;
             p2 = p1;
@@ -80,51 +106,47 @@ TrianglePoint search_lines(const Shape& shape, const Vec3& a, const Vec3& b, con
             p2 = on_line(s2);
         }
     }
-    const TrianglePoint side = on_line(1);
-    const TrianglePoint& inner = p1.at.d <= p2.at.d ? p1 : p2;
-    return side.at.d < inner.at.d ? side : inner;
+    const Candidate side = on_line(1);
+    const Candidate& inner = p1.value <= p2.value ? p1 : p2;
+    return side.value < inner.value ? side : inner;
 }
 
 }  // namespace
 
 TrianglePoint deepest_on_triangle(const Shape& shape, const Vec3& a, const Vec3& b, const Vec3& c) {
-    TrianglePoint best;
     if (std::holds_alternative<SphereShape>(shape)) {
-        best.barycentric = closest_on_triangle(a, b, c, Vec3::Zero());
-        best.at = distance(shape, best.barycentric[0] * a + best.barycentric[1] * b + best.barycentric[2] * c);
-        return best;
+        const Vec3 w = closest_on_triangle(a, b, c, Vec3::Zero());
+        return {w, distance(shape, w[0] * a + w[1] * b + w[2] * c)};
     }
+    const Depth depth(shape, a, b, c);
     const std::array<Vec3, 3> corner = {a, b, c};
-    for (int k = 0; k < 3; ++k) {
-        const Distance at = distance(shape, corner[std::size_t(k)]);
-        if (k == 0 || at.d < best.at.d) best = {Vec3::Unit(k), at};
+    Candidate best = look_at(depth, Vec3::UnitX(), a);
+    for (int k = 1; k < 3; ++k) {
+        const Candidate at = look_at(depth, Vec3::Unit(k), corner[std::size_t(k)]);
+        if (at.value < best.value) best = at;
     }
-    const double size = std::max((b - a).norm(), (c - a).norm());
     for (int step = 0; step < kDescents; ++step) {
-        const Vec3& w = best.barycentric;
-        const Vec3 p = w[0] * a + w[1] * b + w[2] * c;
-        // Towards the corner where the tangent plane of the distance is lowest; none is lower: this is the least.
+        // Towards the corner where the tangent plane is lowest; none is lower: this is the least.
+        const Vec3 gradient = depth.slope(best.point.at, best.p);
         std::size_t to = 0;
         double slope = 0;
         for (std::size_t k = 0; k < 3; ++k) {
-            const double s = best.at.normal.dot(corner[k] - p);
+            const double s = gradient.dot(corner[k] - best.p);
             if (s < slope) {
                 slope = s;
                 to = k;
             }
         }
-        if (slope > -kFlat * size) break;
-        const double part = least_along(shape, p, corner[to]);
-        const Vec3 next = (1 - part) * w + part * Vec3::Unit(Eigen::Index(to));
-        const Distance at = distance(shape, p + part * (corner[to] - p));
-        if (!(at.d < best.at.d - kFlat * size)) {  // a crease, or hardly any slope
-            if (at.d < best.at.d) best = {next, at};
-            const TrianglePoint thorough = search_lines(shape, a, b, c);
-            return thorough.at.d < best.at.d ? thorough : best;
-        }
-        best = {next, at};
+        if (slope > -kFlat * depth.size) break;
+        const double part = least_along(depth, best.p, corner[to]);
+        const Candidate next = look_at(depth, (1 - part) * best.point.barycentric + part * Vec3::Unit(Eigen::Index(to)), best.p + part * (corner[to] - best.p));
+        const bool creased = !(next.value < best.value - kFlat * depth.size);  // or hardly any slope
+        if (next.value < best.value) best = next;
+        if (!creased) continue;
+        const Candidate thorough = search_lines(depth, a, b, c);
+        return thorough.value < best.value ? thorough.point : best.point;
     }
-    return best;
+    return best.point;
 }
 
 std::optional<Touch> sweep_point(const Shape& shape, const Vec3& p0, const Vec3& p1, double near_m) {

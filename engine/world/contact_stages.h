@@ -39,8 +39,8 @@ struct ContactCheck {
     bool raised = false;  ///< contacts were too deep and are stiffer now
     double error = 0;     ///< sum of the differences, as part of the sum of forces
 };
-/// Models at the solution dv. Where `raise`, contacts that are too deep become stiffer.
-ContactCheck update_contacts(StepContext& ctx, Body& body, bool raise);
+/// Models at the solution dv, if they disagree with it. Where `raise`, contacts that are too deep become stiffer. `last`: only looks.
+ContactCheck update_contacts(StepContext& ctx, Body& body, bool raise, bool last);
 /// True if the solution has led so far from where the contacts were looked for that there may be others.
 bool contacts_are_stale(StepContext& ctx, const Body& body);
 

@@ -27,6 +27,7 @@ constexpr double kSweepFrom = 0.5;         // of a shape's thinness: longer ways
 constexpr double kNear = 1e-3;             // of the edges, or of the thinness if that is less: what counts as touched on the way
 constexpr double kRoundEnough = 2.5;       // edges: a shape as round as that needs the vertices alone
 constexpr double kCorner = 1e-3;           // a weight below it is none
+constexpr double kProtrudes = 0.02;        // of the edges: how much deeper a triangle's inside must be than its corners; half of that to stay
 constexpr double kFromInside = 0.5;        // normals of body and shape agree by so much: the shape would come out of the body
 
 /// A collider as a body meets it.
@@ -169,6 +170,20 @@ void look_at_vertex(Meeting& m, std::int32_t v) {
     add_contact(m, found);
 }
 
+/// True if the point of a triangle with these weights pressed in the last step.
+bool remembered(const Meeting& m, const Triangle& triangle, const Vec3& weight) {
+    std::array<std::int32_t, 3> vertex{-1, -1, -1};
+    std::size_t count = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+        if (weight[Eigen::Index(k)] >= kCorner) vertex[count++] = triangle[k];
+    }
+    std::sort(vertex.begin(), vertex.begin() + std::ptrdiff_t(count));
+    const std::vector<ContactMemory>& memory = m.body.state.contacts;
+    const auto key = std::tie(m.slot, vertex);
+    const auto at = std::lower_bound(memory.begin(), memory.end(), key, [](const ContactMemory& a, const auto& b) { return std::tie(a.collider, a.vertex) < b; });
+    return at != memory.end() && std::tie(at->collider, at->vertex) == key;
+}
+
 /// The deepest point of a triangle, where that is not one of its vertices.
 void look_at_triangle(Meeting& m, std::int32_t triangle) {
     const ContactSurface& surface = *m.body.contacts.surface;
@@ -214,7 +229,7 @@ void look_at_triangle(Meeting& m, std::int32_t triangle) {
     const auto& p = *corner;
     if (!touch) {
         const double least = std::min({contact::distance(m.shape(), p[0]).d, contact::distance(m.shape(), p[1]).d, contact::distance(m.shape(), p[2]).d});
-        if (point.at.d > least - 1e-3 * edge) return;  // as deep at a corner
+        if (point.at.d > least - (remembered(m, t, w) ? 0.5 : 1.0) * kProtrudes * edge) return;  // about as deep at a corner
     }
     // Inside a triangle, contact is along its own normal, whatever edge or corner of the shape is there.
     Vec3 normal = point.at.normal;

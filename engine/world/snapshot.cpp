@@ -10,7 +10,7 @@ namespace supple {
 namespace {
 
 constexpr std::uint64_t kMagic = 0x31504e53504c5053ULL;  // "SPLPSNP1", little-endian
-constexpr std::uint32_t kVersion = 4;
+constexpr std::uint32_t kVersion = 5;
 
 std::uint64_t checksum(std::span<const std::byte> bytes) {
     Hasher hasher;

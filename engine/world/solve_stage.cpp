@@ -179,16 +179,16 @@ namespace {
 
 /// After a solve: what it has led to is what it was told. If not, contacts and springs have been told anew, and it must be repeated from where it is.
 bool touch_agrees(StepContext& ctx, BodyId id, Body& body, TouchRounds& rounds) {
-    const bool capped = cap_drags(ctx, id, body);
-    const ContactCheck check = update_contacts(ctx, body, rounds.raises > 0);
-    if (check.raised) --rounds.raises;
     const bool last = ++rounds.solves >= ctx.world.def.solver.contact_iterations;
-    if (last && !check.agrees) {
+    const bool capped = cap_drags(ctx, id, body);
+    const ContactCheck check = update_contacts(ctx, body, rounds.raises > 0, last && !capped);
+    if (check.raised) --rounds.raises;
+    if (last && !capped) {
         if (check.error > kWorstContacts) ctx.report.flags |= StepFlag::contact_cap;
         return true;
     }
     if (capped || !check.agrees) return false;
-    if (rounds.searches == 0 || last || !contacts_are_stale(ctx, body)) return true;
+    if (rounds.searches == 0 || !contacts_are_stale(ctx, body)) return true;
     --rounds.searches;
     find_contacts(ctx, id, body);
     return false;
