@@ -196,6 +196,7 @@ void add_record_command(CLI::App& app, int& status) {
         ->check(CLI::IsMember({"vertex", "element", "point"}));
     command->add_option("--range", o->range, "LOW,HIGH of the colours [Pa] [automatic: smoothed, 99 % of the stresses]");
     command->add_option("--opacity", o->frame.opacity, "of the bodies, 0.01..1 [1; with points 0.25]")->check(CLI::Range(0.01, 1.0));
+    command->add_flag("--contacts", o->frame.contacts, "draw the forces of contacts as arrows");
     command->add_flag("--wireframe", o->frame.wireframe, "draw the edges of the elements");
     command->add_option("--threads", o->show.threads, "threads [those of the scene, or all cores]")->check(CLI::Range(1, 256));
     command->add_flag("--quiet", o->quiet, "no progress bar and no table");

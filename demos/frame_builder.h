@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "collider_view.h"
 #include "demo.h"
 #include "supple/render/frame_view.h"
 
@@ -16,6 +17,7 @@ struct FrameOptions {
     std::optional<std::array<double, 2>> range_pa;  ///< of the colours; empty: automatic
     std::optional<double> opacity;                  ///< of the bodies; empty: 1, for points 0.25
     bool wireframe = false;
+    bool contacts = false;     ///< arrows for the forces of contacts
     std::string map = "viridis";
 };
 
@@ -43,7 +45,9 @@ public:
 private:
     Show* show_;
     FrameOptions options_;
-    double ground_m_;
+    double ground_m_, size_m_;
+    Vec3 centre_;
+    ColliderView colliders_;
     StressRange range_;
     FrameView view_;
     std::vector<std::vector<Vec3>> positions_, centres_, skin_;

@@ -32,6 +32,7 @@ void check(const WorldDef& def) {
         throw Error(ErrorCode::invalid_argument, "WorldDef.solver.cg_relative_tolerance",
                     to_text(s.cg_relative_tolerance) + " is outside (0, 1); 1e-3 for games, 1e-5 for measurements");
     }
+    check_count("solver.contact_iterations", s.contact_iterations, 1, 1000, "12 is usual");
     check_count("solver.cg_max_iterations", s.cg_max_iterations, 1, 1000000, "2000 is usual");
     require_in_range(s.step_budget_us, 0, 1e9, "WorldDef.solver.step_budget_us", "0 sets no limit");
     if (def.isa && !is_supported(*def.isa)) {
@@ -94,6 +95,7 @@ BodyId World::add_body(const BodyDef& def) {
     warn_of_materials(w.def, *body);
     if (!w.crew && w.threads > 1 && body->element_count() >= kMinElementsForThreads) w.crew = std::make_unique<Team>(w.threads);
     if (slot == w.slots.size()) w.slots.emplace_back();
+    if (w.living_colliders > 0) body->need_contact_surface();
     w.slots[slot].body = std::move(body);
     w.order.push_back(slot);
     return {slot, w.slots[slot].generation};
@@ -104,6 +106,11 @@ void World::remove_body(BodyId id) {
     w.body(id);
     for (Drag& drag : w.drags) {
         if (drag.body == id) drag.generation = 0;
+    }
+    for (Attachment& attachment : w.attachments) {
+        if (attachment.generation == 0 || attachment.def.body != id) continue;
+        attachment = Attachment{};
+        --w.living_attachments;
     }
     w.slots[id.index].body.reset();
     ++w.slots[id.index].generation;
@@ -149,6 +156,7 @@ void World::set_state(BodyId id, std::span<const Vec3> positions_m, std::span<co
     s.x_previous = s.x;
     for (auto* history : {&s.dv1, &s.dv2}) history->assign(body.vertices(), Vec3::Zero());
     s.moving[0] = 0;
+    s.contacts.clear();
     fem::seed_rotations(impl_->team_for(body.element_count()), body.layout(), s.x, s.quaternion);
     body.stress.valid = false;
 }
@@ -267,6 +275,13 @@ Vec3 World::reaction_n(BodyId id) const {
     return sum;
 }
 
+Vec3 World::reaction_n(BodyId id, const Selection& where) const {
+    const Body& body = impl_->body(id);
+    Vec3 sum = Vec3::Zero();
+    for (const std::int32_t v : select_some(body.data(), body.name, where, "World::reaction_n")) sum += body.state.reaction[std::size_t(v)];
+    return sum;
+}
+
 Vec3 World::reaction_n() const {
     Vec3 sum = Vec3::Zero();
     for (const BodyId id : bodies()) sum += reaction_n(id);
@@ -285,6 +300,12 @@ std::uint64_t World::hash() const {
     }
     for (const Drag& drag : impl_->drags) {
         if (drag.generation != 0) add(std::array{drag.target, drag.force});
+    }
+    for (const Collider& collider : impl_->colliders) {
+        if (collider.generation != 0) add(collider.moving());
+    }
+    for (const Attachment& attachment : impl_->attachments) {
+        if (attachment.generation != 0) add(std::array{attachment.anchor, attachment.force});
     }
     return hasher.value();
 }
