@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "framing.h"
 #include "supple/io/report.h"
@@ -99,7 +100,7 @@ void FrameBuilder::add_stress(std::size_t b, SurfaceView& surface, std::vector<d
     surface.color = {0.80f, 0.82f, 0.85f};  // glass: the colours of the points stay what they are
 }
 
-const FrameView& FrameBuilder::build(double alpha, const std::string& hud, double elapsed_s) {
+FrameView& FrameBuilder::build(double alpha, const std::string& hud, double elapsed_s) {
     const World& world = show_->world();
     const std::vector<BodyId> bodies = world.bodies();
     view_ = FrameView{};
@@ -139,7 +140,9 @@ const FrameView& FrameBuilder::build(double alpha, const std::string& hud, doubl
     }
     view_.ground_height_m = ground_m_;
     view_.hud = hud;
+    const std::optional<ColorScale> automatic = view_.scale;
     show_->decorate(view_);
+    if (view_.scale && automatic && options_.automatic_range) view_.scale = automatic;
     if (view_.scale) view_.scale->map = options_.map;
     if (view_.scale && options_.range_pa) {
         view_.scale->low = (*options_.range_pa)[0];
