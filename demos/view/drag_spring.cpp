@@ -1,5 +1,6 @@
 #include "view/drag_spring.h"
 
+#include <Eigen/Geometry>
 #include <cstdio>
 #include <numeric>
 #include <utility>
@@ -7,7 +8,7 @@
 namespace supple::demos::view {
 namespace {
 
-constexpr double kWeights = 3;
+constexpr double kWeights = 2;
 
 }  // namespace
 
@@ -33,17 +34,17 @@ void DragSpring::end(World& world) {
     }
 }
 
-void DragSpring::draw(const World& world, FrameView& view, bool with_number) const {
+void DragSpring::draw(const World& world, FrameView& view, double aside) const {
     if (!holds()) return;
     const DragState now = state(world);
     const double ball_m = 0.008 * size_m_;
     view.markers.push_back({now.anchor_m, ball_m});
     view.markers.push_back({now.target_m, 0.8 * ball_m, {1.0f, 0.85f, 0.2f}});
     view.arrows.push_back({now.anchor_m, now.target_m});
-    if (!with_number) return;
     char text[32];
     std::snprintf(text, sizeof text, "%.3g N", now.force_n.norm());
-    view.labels.push_back({now.target_m + 3.5 * ball_m * view.camera.up.normalized(), text});
+    const Vec3 up = view.camera.up.normalized(), right = (view.camera.target_m - view.camera.eye_m).cross(up).normalized();
+    view.labels.push_back({now.target_m + 3.5 * ball_m * up + aside * size_m_ * right, text});
 }
 
 }  // namespace supple::demos::view

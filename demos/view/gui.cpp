@@ -21,6 +21,13 @@ namespace {
 
 constexpr float kFont_px = 15;
 
+/// To three digits: a number that a person can read.
+double rounded(double value) {
+    if (value == 0 || !std::isfinite(value)) return value;
+    const double unit = std::pow(10.0, std::floor(std::log10(std::abs(value))) - 2);
+    return unit < 1 ? std::round(value / unit) / std::round(1 / unit) : std::round(value / unit) * unit;
+}
+
 void set_style(float scale) {
     ImGui::StyleColorsDark();
     ImGuiStyle& style = ImGui::GetStyle();
@@ -40,7 +47,7 @@ void set_style(float scale) {
     style.Colors[ImGuiCol_HeaderHovered] = ImVec4(0.21f, 0.31f, 0.41f, 1);
     style.Colors[ImGuiCol_Button] = ImVec4(0.20f, 0.27f, 0.34f, 1);
     style.Colors[ImGuiCol_ButtonHovered] = ImVec4(0.26f, 0.37f, 0.48f, 1);
-    style.Colors[ImGuiCol_SliderGrab] = ImVec4(0.42f, 0.64f, 0.86f, 1);
+    style.Colors[ImGuiCol_SliderGrab] = ImVec4(0.26f, 0.45f, 0.64f, 1);
     style.Colors[ImGuiCol_Text] = ImVec4(0.93f, 0.94f, 0.95f, 1);
     style.Colors[ImGuiCol_TextDisabled] = ImVec4(0.62f, 0.65f, 0.69f, 1);
     style.ScaleAllSizes(scale);
@@ -101,8 +108,11 @@ void tooltip(const char* help) {
 }
 
 bool slider(const char* label, const char* id, double& value, double low, double high, const char* format, const char* help, bool logarithmic) {
+    // A logarithmic slider of Dear ImGui ends at 10^-digits of its format and takes %e for minus one digit: formats are %g with as many digits as
+    // the smallest value needs, and the value is rounded here.
     const ImGuiSliderFlags flags = logarithmic ? ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_NoRoundToFormat : ImGuiSliderFlags_None;
     const bool changed = ImGui::SliderScalar(label, ImGuiDataType_Double, &value, &low, &high, format, flags);
+    if (changed && logarithmic) value = rounded(value);
     controls().mark(id);
     tooltip(help);
     return changed;
@@ -116,8 +126,8 @@ bool percent_slider(const char* label, const char* id, double& part, double low,
 }
 
 bool force_slider(double& max_force_n) {
-    const char* format = max_force_n > 0 ? "%.3g N" : "3 x weight";
-    const bool changed = slider("Most force", "tool force", max_force_n, 0, 1000, format, "the spring never exceeds it; 0: three times the weight of the body", true);
+    const char* format = max_force_n > 0 ? "%.3g N" : "2 x weight";
+    const bool changed = slider("Most force", "tool force", max_force_n, 0, 1000, format, "the spring never exceeds it; 0: twice the weight of the body", true);
     max_force_n = std::max(0.0, max_force_n);
     return changed;
 }
@@ -152,7 +162,9 @@ void quiet_sentence(const std::string& text) {
 
 bool header(const char* label, bool open_at_first) {
     const bool open = ImGui::CollapsingHeader(label, open_at_first ? ImGuiTreeNodeFlags_DefaultOpen : 0);
-    controls().mark(label);
+    const std::string name(label);
+    const std::size_t hashes = name.find("###");  // what follows them stays where the words before them change
+    controls().mark(hashes == std::string::npos ? name : name.substr(hashes + 3));
     return open;
 }
 

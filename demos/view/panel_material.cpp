@@ -48,7 +48,7 @@ bool edit(Material& material, const VolumeMesh& mesh) {
         changed = true;
     }
     Moduli moduli = moduli_of(material);
-    bool stiffer = slider("Young", "young", moduli.young_pa, 10, 1e9, moduli.young_pa < 1e6 ? "%.4g Pa" : "%.3e Pa",
+    bool stiffer = slider("Young", "young", moduli.young_pa, 10, 1e9, "%.7g Pa",
                           "Young's modulus at small strain: tissue 1e3 to 1e5 Pa, rubber 1e6; Ctrl click to type a number", true);
     stiffer |= slider("Poisson", "poisson", moduli.poisson, 0.01, 0.499, "%.3f", "Poisson's ratio at small strain: 0.5 would be incompressible");
     if (stiffer) {

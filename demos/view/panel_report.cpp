@@ -7,12 +7,10 @@
 namespace supple::demos::view {
 namespace {
 
-constexpr std::size_t kLately = 120;  // steps
-
 void flags(const Session& session) {
     if (session.flags().empty()) return quiet_sentence("Every step reached its tolerance; no flags.");
     for (const FlagNote& note : session.flags()) {
-        const bool now = note.quiet < kLately;
+        const bool now = note.quiet < FlagNote::kLately;
         ImGui::PushStyleColor(ImGuiCol_Text, now ? ImVec4(1.0f, 0.72f, 0.35f, 1) : ImVec4(0.75f, 0.72f, 0.65f, 1));
         char line[96];
         std::snprintf(line, sizeof line, "%.*s: %zu step%s%s", int(name(note.flag).size()), name(note.flag).data(), note.steps, note.steps == 1 ? "" : "s", now ? "" : ", not lately");
@@ -25,7 +23,7 @@ void flags(const Session& session) {
 }  // namespace
 
 void report_panel(Desk& desk) {
-    const bool lately = std::any_of(desk.session.flags().begin(), desk.session.flags().end(), [](const FlagNote& n) { return n.quiet < kLately; });
+    const bool lately = std::any_of(desk.session.flags().begin(), desk.session.flags().end(), [](const FlagNote& n) { return n.quiet < FlagNote::kLately; });
     if (lately) ImGui::PushStyleColor(ImGuiCol_Header, ImVec4(0.55f, 0.33f, 0.10f, 1));
     const bool open = header(lately ? "Report: look here###Report" : "Report###Report", true);
     if (lately) ImGui::PopStyleColor();

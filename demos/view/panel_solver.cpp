@@ -21,17 +21,17 @@ bool whole_number(const char* label, const char* id, int& value, int low, int hi
 }
 
 bool edit(SolverDef& solver) {
-    bool changed = slider("Tolerance", "tolerance", solver.cg_relative_tolerance, 1e-9, 1e-1, "%.1e", "of the linear solve: 1e-3 for games, 1e-5 for measurements", true);
+    bool changed = slider("Tolerance", "tolerance", solver.cg_relative_tolerance, 1e-9, 1e-1, "%.9g", "of the linear solve: 1e-3 for games, 1e-5 for measurements", true);
     changed |= whole_number("Iterations", "iterations", solver.cg_max_iterations, 1, 10000, "most per linear solve");
     changed |= whole_number("Newton", "newton", solver.newton_iterations, 0, 100, "most linear solves a step; 0: 1, of the static integrator 100");
-    changed |= slider("Newton tol.", "newton tolerance", solver.newton_tolerance, 0, 0.1, solver.newton_tolerance > 0 ? "%.1e" : "all", "Newton stops where the residual has fallen to this part; 0: it does every iteration", true);
+    changed |= slider("Newton tol.", "newton tolerance", solver.newton_tolerance, 0, 0.1, solver.newton_tolerance > 0 ? "%.9g" : "all", "Newton stops where the residual has fallen to this part; 0: it does every iteration", true);
     int kind = int(solver.preconditioner);
     if (choice("Precond.", "preconditioner", kind, kKinds, "how the solves are sped up; none changes the answer beyond the tolerance")) {
         solver.preconditioner = PreconditionerKind(kind);
         changed = true;
     }
     changed |= slider("Mass damp.", "mass damping", solver.rayleigh_mass_1_s, 0, 50, "%.3g 1/s", "Rayleigh: like a thick fluid around the bodies", true);
-    changed |= slider("Inner damp.", "stiffness damping", solver.rayleigh_stiffness_s, 0, 0.1, "%.2e s", "Rayleigh: calms fast vibrations", true);
+    changed |= slider("Inner damp.", "stiffness damping", solver.rayleigh_stiffness_s, 0, 0.1, "%.6g s", "Rayleigh: calms fast vibrations", true);
     return changed;
 }
 

@@ -30,19 +30,29 @@ void side_panel(Desk& desk, bool with_plots, float ui_scale) {
     ImGui::PopItemWidth();
 }
 
-void message_line(const Desk& desk, float ui_scale) {
-    if (desk.message.text.empty() || !(desk.message.left_s > 0)) return;
-    const Viewport& view = desk.viewport;
-    ImGui::SetNextWindowPos(ImVec2(view.x + 0.5f * view.width, view.y + 10 * ui_scale), 0, ImVec2(0.5f, 0));
-    ImGui::SetNextWindowSizeConstraints(ImVec2(0, 0), ImVec2(0.9f * view.width, 0.6f * view.height));
+void note(const char* text, const ImVec4& color, const Viewport& view, float ui_scale) {
+    ImGui::SetNextWindowPos(ImVec2(view.x + 0.5f * view.width, view.y + 46 * ui_scale), 0, ImVec2(0.5f, 0));
     ImGui::SetNextWindowBgAlpha(0.92f);
-    ImGui::PushStyleColor(ImGuiCol_WindowBg, desk.message.is_error ? ImVec4(0.42f, 0.10f, 0.10f, 1) : ImVec4(0.10f, 0.24f, 0.16f, 1));
-    ImGui::Begin("message", nullptr, kPart | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoInputs);
+    ImGui::PushStyleColor(ImGuiCol_WindowBg, color);
+    ImGui::Begin("note", nullptr, kPart | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoInputs);
     ImGui::PushTextWrapPos(std::min(0.85f * view.width, 42 * ImGui::GetFontSize()));
-    ImGui::TextUnformatted(desk.message.text.c_str());
+    ImGui::TextUnformatted(text);
     ImGui::PopTextWrapPos();
     ImGui::End();
     ImGui::PopStyleColor();
+}
+
+/// Over the picture: what was just done or went wrong; otherwise what the steps complain of, with its cure.
+void note_line(const Desk& desk, float ui_scale) {
+    if (!desk.message.text.empty() && desk.message.left_s > 0) {
+        const ImVec4 color = desk.message.is_error ? ImVec4(0.42f, 0.10f, 0.10f, 1) : ImVec4(0.10f, 0.24f, 0.16f, 1);
+        return note(desk.message.text.c_str(), color, desk.viewport, ui_scale);
+    }
+    for (const FlagNote& flag : desk.session.flags()) {
+        if (flag.quiet >= FlagNote::kLately) continue;
+        const std::string text = std::string(name(flag.flag)) + ": " + std::string(cure(flag.flag)) + ".";
+        return note(text.c_str(), ImVec4(0.40f, 0.25f, 0.08f, 1), desk.viewport, ui_scale);
+    }
 }
 
 }  // namespace
@@ -68,7 +78,7 @@ void draw_panels(Desk& desk, float width, float height, float ui_scale) {
         }
         desk.viewport = {side, bar, std::max(width - side, 32.0f), std::max(height - bar - strip, 32.0f)};
     }
-    message_line(desk, ui_scale);
+    note_line(desk, ui_scale);
     if (desk.help) help_window(desk, ui_scale);
 }
 

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdio>
 #include <span>
+#include <string>
 
 #include "view/gui.h"
 #include "view/panels.h"
@@ -27,6 +28,19 @@ float round_top(float value) {
     return 10 * decade;
 }
 
+std::string label_of(const Line& line, bool with_number) {
+    char text[48];
+    std::snprintf(text, sizeof text, "%s %.3g", line.name, double(line.values->last()));
+    return with_number ? text : line.name;
+}
+
+/// Whether the names with their last values stand side by side.
+bool fits(std::span<const Line> lines, float width) {
+    float used = 0;
+    for (const Line& line : lines) used += ImGui::CalcTextSize(label_of(line, true).c_str()).x + 0.8f * ImGui::GetFontSize();
+    return used - 0.8f * ImGui::GetFontSize() <= width;
+}
+
 /// A box with curves, its title and the last value of each in the colour of its curve.
 void plot(const char* title, const char* unit, std::span<const Line> lines, float width, float height) {
     const ImVec2 corner = ImGui::GetCursorScreenPos();
@@ -39,10 +53,11 @@ void plot(const char* title, const char* unit, std::span<const Line> lines, floa
     for (const Line& line : lines) most = std::max(most, line.values->largest());
     const float top = round_top(most);
     char text[64];
-    std::snprintf(text, sizeof text, "%s, to %.3g %s", title, double(top), unit);
+    std::snprintf(text, sizeof text, "%s, to %g %s", title, double(top), unit);
     draw.PushClipRect(corner, ImVec2(corner.x + width, corner.y + height), true);
     draw.AddText(ImVec2(corner.x + pad, corner.y + 0.5f * pad), kQuiet, text);
     const float y0 = corner.y + 2.6f * font, y1 = corner.y + height - pad, x0 = corner.x + pad, x1 = corner.x + width - pad;
+    const bool numbers = fits(lines, width - 2 * pad);
     float label_x = corner.x + pad;
     for (std::size_t l = 0; l < lines.size(); ++l) {
         const History& values = *lines[l].values;
@@ -52,9 +67,9 @@ void plot(const char* title, const char* unit, std::span<const Line> lines, floa
             points[i] = ImVec2(x0 + along * (x1 - x0), y1 - std::clamp(values[i] / top, 0.0f, 1.0f) * (y1 - y0));
         }
         if (values.size() > 1) draw.AddPolyline(points.data(), int(values.size()), kLines[l % kLines.size()], 0, std::max(1.0f, font / 11));
-        std::snprintf(text, sizeof text, "%s %.3g", lines[l].name, double(values.last()));
-        draw.AddText(ImVec2(label_x, corner.y + 0.5f * pad + 1.15f * font), kLines[l % kLines.size()], text);
-        label_x += ImGui::CalcTextSize(text).x + 0.8f * font;
+        const std::string label = label_of(lines[l], numbers);
+        draw.AddText(ImVec2(label_x, corner.y + 0.5f * pad + 1.15f * font), kLines[l % kLines.size()], label.c_str());
+        label_x += ImGui::CalcTextSize(label.c_str()).x + 0.8f * font;
     }
     draw.PopClipRect();
 }
@@ -71,7 +86,7 @@ void stage_plot(const Curves& curves, float width, float height) {
     draw.AddRectFilled(corner, ImVec2(corner.x + width, corner.y + height), kFrame, 4);
     const float top = round_top(curves.steps_ms.largest());
     char text[64];
-    std::snprintf(text, sizeof text, "Steps of a frame, to %.3g ms", double(top));
+    std::snprintf(text, sizeof text, "Steps, to %g ms", double(top));
     draw.PushClipRect(corner, ImVec2(corner.x + width, corner.y + height), true);
     draw.AddText(ImVec2(corner.x + pad, corner.y + 0.5f * pad), kQuiet, text);
     const float y0 = corner.y + 2.6f * font, y1 = corner.y + height - pad, x0 = corner.x + pad, x1 = corner.x + width - pad;

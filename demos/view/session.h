@@ -14,6 +14,7 @@ struct FlagNote {
     StepFlag flag = StepFlag::none;
     std::size_t steps = 0;     ///< that raised it since the scene was opened
     std::size_t quiet = 0;     ///< steps since it was last raised
+    static constexpr std::size_t kLately = 120;  ///< less quiet than this: it is still going on
 };
 
 /// What all the steps of one frame did together.

@@ -39,7 +39,7 @@ public:
     void release(World& world) override { spring_.end(world); }
     bool holds() const override { return spring_.holds(); }
     double force_n(const World& world) const override { return holds() ? spring_.state(world).force_n.norm() : 0; }
-    void draw(const World& world, FrameView& view) const override { spring_.draw(world, view, true); }
+    void draw(const World& world, FrameView& view) const override { spring_.draw(world, view); }
 
     void panel(double) override {
         percent_slider("Radius", "tool radius", radius_, 0.0, 0.3, "of the held patch, as a part of the scene's size; 0: one triangle");
@@ -51,7 +51,7 @@ private:
     Vec3 plane_m_ = Vec3::Zero();
     ToolScale scale_;
     Pointer pointer_;
-    double radius_ = 0.06, max_force_n_ = 0;
+    double radius_ = 0.1, max_force_n_ = 0;
 };
 
 }  // namespace

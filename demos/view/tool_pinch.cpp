@@ -72,7 +72,7 @@ public:
         return holds() ? (springs_[0].state(world).force_n + springs_[1].state(world).force_n).norm() : 0;
     }
     void draw(const World& world, FrameView& view) const override {
-        for (const DragSpring& spring : springs_) spring.draw(world, view, true);
+        for (std::size_t jaw = 0; jaw < 2; ++jaw) springs_[jaw].draw(world, view, jaw == 0 ? -0.07 : 0.07);
     }
 
     void panel(double) override {

@@ -11,6 +11,8 @@
 namespace supple::demos::view {
 namespace {
 
+constexpr double kStick = 0.05;  // of the body's weight
+
 /// A ball pushes the patch under it along the line of sight: it goes in while the button is held, and the wheel moves it. Where the spring would pull, it lets go.
 class Poke : public Tool {
 public:
@@ -45,10 +47,9 @@ public:
         if (!holds()) return;
         const double stride_m = speed_ * scale_.size_m * step_s;
         depth_m_ += std::clamp(goal_m_ - depth_m_, -stride_m, stride_m);
-        if (spring_.state(world).force_n.dot(inwards_) < 0 && depth_m_ > stride_m) {  // the surface fled or was drawn back: a ball does not stick
-            spring_.end(world);
-            return;
-        }
+        // Where the ball no longer goes in and the surface would have to be drawn after it, it lets go: a ball does not stick.
+        const bool goes_in = depth_m_ < goal_m_;
+        if (!goes_in && spring_.state(world).force_n.dot(inwards_) < -kStick * scale_.weight_n) return spring_.end(world);
         spring_.move(world, start_m_ + aside_m_ + depth_m_ * inwards_);
     }
 

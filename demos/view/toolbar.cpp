@@ -37,7 +37,7 @@ void toolbar(Desk& desk) {
         if (button(name, (std::string("tool/") + name).c_str(), desk.tools[i]->hint(), i == desk.tool)) desk.choose_tool(i);
     }
     gap();
-    if (next_button("Frame") && button("Frame", "frame", "show all bodies [F]")) desk.wishes.frame_camera = true;
+    if (next_button("Show all") && button("Show all", "show all", "the camera shows all bodies [F]")) desk.wishes.frame_camera = true;
     if (next_button("Picture") && button("Picture", "picture", "write the scene's picture as PNG [P]; with the panels: [Shift P]")) desk.wishes.picture = true;
     const char* film = desk.recorder.records() ? "Stop" : "Film";
     if (next_button(film) && button(film, "film", "record the scene to a video [V]", desk.recorder.records())) desk.wishes.film = true;

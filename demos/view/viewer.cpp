@@ -25,8 +25,9 @@ namespace supple::demos::view {
 namespace {
 
 constexpr double kFixedFrame_s = 1.0 / 60;
+constexpr std::size_t kWarmUpFrames = 3;   // of a scene: shaders and preconditioners are made in them; the plots leave them out
 constexpr double kLongestFrame_s = 0.25, kShortestFrame_s = 1.0 / 120;
-constexpr double kUsualAspect = 16.0 / 9;  // that demos choose their cameras for
+constexpr double kUsualAspect = 1.35;  // below it the cameras that demos choose would cut their bodies off
 
 /// Over the left shoulder of the camera that a scene begins with; it stays there while the camera moves.
 Vec3 key_light_of(const Camera& camera) {
@@ -70,7 +71,7 @@ private:
     bool keeps_camera_ = false;
     Vec3 key_light_ = Vec3(0, 1, 0);
     Image image_;
-    std::size_t frames_ = 0;
+    std::size_t frames_ = 0, frames_of_scene_ = 0;
 };
 
 /// A mistake of the person at the window is a message there, not the end of the program.
@@ -129,6 +130,7 @@ void Viewer::fulfil_wishes() {
 void Viewer::take_up_scene() {
     opening_ = desk_.session.openings();
     desk_.curves.clear();
+    frames_of_scene_ = 0;
     desk_.body = 0;
     builder_.emplace(desk_.session.show(), desk_.frame);
     window_.set_title("Supple: " + desk_.session.name());
@@ -148,6 +150,7 @@ void Viewer::simulate(double elapsed_s) {
         desk_.speed += 0.05 * (done - desk_.speed);
     }
     if (desk_.steps.steps == 0) return;
+    if (frames_of_scene_ < kWarmUpFrames) return void(desk_.steps = {});
     Curves& c = desk_.curves;
     c.steps_ms.add(float(desk_.steps.step_ms));
     for (std::size_t s = 0; s < kStageCount; ++s) c.stage_ms[s].add(float(desk_.steps.stage_ms[s]));
@@ -242,9 +245,12 @@ void Viewer::frame(double elapsed_s) {
     pictures(elapsed_s);
     const bool last = (o_.frames > 0 && frames_ + 1 >= o_.frames) || (script_.plays() && script_.ended());
     if (last && !o_.screenshot.empty()) write_png(o_.screenshot, window_image());
-    desk_.curves.draw_ms.add(float(drawing.ms()));
+    const double draw_ms = drawing.ms();
     window_.show();
-    desk_.curves.frame_ms.add(float(watch.ms()));
+    if (++frames_of_scene_ > kWarmUpFrames) {
+        desk_.curves.draw_ms.add(float(draw_ms));
+        desk_.curves.frame_ms.add(float(watch.ms()));
+    }
     desk_.message.left_s -= elapsed_s;
     desk_.frame_s += 0.1 * (elapsed_s - desk_.frame_s);
     ++frames_;
