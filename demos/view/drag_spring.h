@@ -13,13 +13,13 @@ public:
     bool holds() const { return bool(id_); }
     DragState state(const World& world) const { return world.drag_state(id_); }
 
-    /// The held point, the spring to its target, and the force in newtons above it.
+    /// The held point, the spring to its target, and the force: an arrow with its newtons at the tip.
     /// @param aside  of the number, to the right, in parts of the scene's size: neighbours must not cover each other's
     void draw(const World& world, FrameView& view, double aside = 0) const;
 
 private:
     DragId id_;
-    double size_m_ = 1;
+    double size_m_ = 1, weight_n_ = 1;
 };
 
 /// Mass times gravity of a body; of free space as on Earth [N].

@@ -77,7 +77,7 @@ void plot(const char* title, const char* unit, std::span<const Line> lines, floa
 /// The stages of the steps of a frame, stacked; what is left of the frame is drawing and waiting.
 void stage_plot(const Curves& curves, float width, float height) {
     constexpr std::array<Stage, 3> kShown = {Stage::elements, Stage::assemble, Stage::solve};
-    constexpr std::array<const char*, 3> kNames = {"elements", "assemble", "solve"};
+    constexpr std::array<const char*, 3> kNames = {"elements", "matrix", "solve"};
     const ImVec2 corner = ImGui::GetCursorScreenPos();
     ImGui::Dummy(ImVec2(width, height));
     controls().mark("plot/stages");

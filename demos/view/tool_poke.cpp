@@ -87,7 +87,7 @@ private:
     ToolScale scale_;
 
     double radius_m_ = 0, depth_m_ = 0, goal_m_ = 0;
-    double radius_ = 0.08, depth_ = 0.15, speed_ = 0.3, max_force_n_ = 0;
+    double radius_ = 0.08, depth_ = 0.1, speed_ = 0.3, max_force_n_ = 0;
 };
 
 }  // namespace
