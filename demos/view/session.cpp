@@ -1,6 +1,7 @@
 #include "view/session.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <fstream>
 #include <utility>

@@ -1,4 +1,6 @@
 #pragma once
+#include <array>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
