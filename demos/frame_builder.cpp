@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "framing.h"
 #include "supple/io/report.h"
@@ -134,7 +135,7 @@ void FrameBuilder::add_stress(std::size_t b, const Skin* skin, SurfaceView& surf
     surface.color = {0.80f, 0.82f, 0.85f};  // glass: the colours of the points stay what they are
 }
 
-const FrameView& FrameBuilder::build(double alpha, const std::string& hud, double elapsed_s) {
+FrameView& FrameBuilder::build(double alpha, const std::string& hud, double elapsed_s) {
     const World& world = show_->world();
     const std::vector<BodyId> bodies = world.bodies();
     view_ = FrameView{};
@@ -177,7 +178,9 @@ const FrameView& FrameBuilder::build(double alpha, const std::string& hud, doubl
         add_contact_arrows(world, 4 * size_m_ / std::max(weight_n, 1e-3), view_);  // a tenth of the weight is as long as 0.4 of the scene
     }
     view_.hud = hud;
+    const std::optional<ColorScale> automatic = view_.scale;
     show_->decorate(view_);
+    if (view_.scale && automatic && options_.automatic_range) view_.scale = automatic;
     if (view_.scale) view_.scale->map = options_.map;
     if (view_.scale && options_.range_pa) {
         view_.scale->low = (*options_.range_pa)[0];

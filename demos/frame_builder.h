@@ -14,7 +14,8 @@ struct FrameOptions {
     std::optional<ColorBy> color_by;  ///< none: what the show wants
     enum class At { vertex, element, point };
     At stress_at = At::vertex; ///< smooth; flat per element; points at the centres of the elements in a translucent body
-    std::optional<std::array<double, 2>> range_pa;  ///< of the colours; empty: automatic
+    std::optional<std::array<double, 2>> range_pa;  ///< of the colours; empty: the show's, or automatic
+    bool automatic_range = false;                   ///< also where the show sets one
     std::optional<double> opacity;                  ///< of the bodies; empty: 1, for points 0.25
     bool wireframe = false;
     bool contacts = false;     ///< arrows for the forces of contacts
@@ -40,7 +41,9 @@ public:
     /// @param alpha        0 = before the last step, 1 = after it
     /// @param hud          the line at the top left
     /// @param elapsed_s    simulated time since the last picture
-    const FrameView& build(double alpha, const std::string& hud, double elapsed_s);
+    FrameView& build(double alpha, const std::string& hud, double elapsed_s);
+
+    FrameOptions& options() { return options_; }  ///< for the next picture
 
 private:
     Show* show_;

@@ -157,6 +157,15 @@ void apply_materials(Body& body, const BodyDef& def, const WorldDef& world, Isa 
     drop_preconditioner(body);
 }
 
+void change_preconditioner(Body& body, PreconditionerKind kind, Isa isa) {
+    with_system(body, [&](auto& system) {
+        using Real = typename std::remove_reference_t<decltype(system)>::Scalar;
+        system.preconditioner = make_preconditioner<Real>(body.data(), isa, kind);
+    });
+    for (BodyState* state : {&body.state, &body.start}) state->solver.assign(kMemoryCount, 0);
+    drop_preconditioner(body);
+}
+
 std::unique_ptr<fem::Elements> make_body_elements(const Body& body, fem::MatrixPrecision precision, Tangent tangent, Isa isa, bool project) {
     return make_elements(body.data(), body.own_layout.get(), body.materials, precision, tangent, isa, project);
 }

@@ -197,6 +197,8 @@ inline const double* plastic_strain(const Body& body) { return body.state.plasti
 std::unique_ptr<Body> make_body(const BodyDef& def, const WorldDef& world, std::size_t index, Isa isa);
 /// Makes what depends on the materials of a definition: elements, mass, stiffness. Strong guarantee: where it throws, the body is as it was.
 void apply_materials(Body& body, const BodyDef& def, const WorldDef& world, Isa isa);
+/// Another preconditioner from the next step on; what the old one learned is forgotten.
+void change_preconditioner(Body& body, PreconditionerKind kind, Isa isa);
 /// The elements of a body's law and moduli, afresh.
 std::unique_ptr<fem::Elements> make_body_elements(const Body& body, fem::MatrixPrecision precision, Tangent tangent, Isa isa, bool project);
 /// Fills body.stress from the current positions, unless it is valid.

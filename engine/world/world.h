@@ -150,6 +150,7 @@ public:
     const std::string& name(BodyId body) const;
     std::shared_ptr<const Skin> skin(BodyId body) const; ///< null: none
     std::vector<Vec3> skin_positions(BodyId body) const; ///< [m]; empty: none. In a loop: skin()->embedding().deform(positions(), kept array)
+    const BodyDef& definition(BodyId body) const;        ///< as it was added, with the changes of matter since
 
     /// Holds the selected vertices where they are now (in the given axes). Returns how many; nothing selected is an Error.
     std::size_t fix(BodyId body, const Selection& where, Axes axes = {});
@@ -186,6 +187,9 @@ public:
     std::uint64_t step_count() const;
     const WorldDef& def() const;
     void set_gravity(const Vec3& gravity_m_s2);
+    /// Other tolerances, iterations, damping, preconditioner ... from the next step on, as if the world had been made with them and brought to its present
+    /// state. integrator, precision and tangent stay (`automatic` means those at work): another one is Error(unsupported); ranges are those of the constructor.
+    void set_solver(const SolverDef& solver);
 
     // -- results --------------------------------------------------------------------------------------
     std::span<const Vec3> positions(BodyId body) const;           ///< [m]
