@@ -21,12 +21,15 @@ struct FlagRecord {
 class StepStatistics {
 public:
     void add(const World& world, const StepReport& report);
+    /// Takes in the flags alone.
+    void add_untimed(const World& world, const StepReport& report);
 
     std::size_t steps() const { return step_ms_.size(); }
     const std::vector<double>& step_ms() const { return step_ms_; }
     const std::vector<double>& stage_ms(std::size_t stage) const { return stage_ms_[stage]; }
     const std::vector<double>& iterations() const { return iterations_; }
     const std::vector<double>& residuals() const { return residuals_; }
+    const std::vector<double>& solve_bytes() const { return solve_bytes_; }
     const std::vector<FlagRecord>& flags() const { return flags_; }
 
     /// Rows "stage  median  p99  p99.9" in milliseconds, with the whole step last.
@@ -36,9 +39,10 @@ public:
     void write_report(const std::filesystem::path& file, const World& world) const;
 
 private:
-    std::vector<double> step_ms_, iterations_, residuals_;
+    std::vector<double> step_ms_, iterations_, residuals_, solve_bytes_;
     std::array<std::vector<double>, kStageCount> stage_ms_;
     std::vector<FlagRecord> flags_;
+    std::size_t seen_ = 0;  ///< steps whose flags were looked at
     io::RunReport report_;
 };
 
