@@ -106,6 +106,70 @@ TEST(WorldPreconditioner, ASnapshotGoesOnBitForBit) {
     }
 }
 
+/// The far end is held and the near one let go: all that the hierarchy was built with is wrong.
+void swap_ends(Bar& bar) {
+    bar.world.fix(bar.body, InsideBox{Vec3(0.39, -1, -1), Vec3(1, 1, 1)});
+    bar.world.release(bar.body, test::at_x(0));
+}
+
+TEST(WorldPreconditioner, NewSupportsDoNotHaltTheBodyForAHierarchy) {
+    Bar bar(PreconditionerKind::lattice_multigrid), plain(PreconditionerKind::block_jacobi);
+    const int usual = bar.run(30);
+    plain.run(30);
+    swap_ends(bar);
+    swap_ends(plain);
+    const int meanwhile = bar.run(16), plain_meanwhile = plain.run(16);
+    const int after = bar.run(30);
+    plain.run(30);
+    EXPECT_LT(after, 1.5 * usual);               // the new hierarchy knows the new supports
+    EXPECT_LT(3 * meanwhile, plain_meanwhile);   // and until it came the old one was worth more than none
+    EXPECT_LT(test::relative_difference(bar.world.positions(bar.body), plain.world.positions(plain.body)), 1e-3);
+}
+
+TEST(WorldPreconditioner, AHierarchyUnderWayGoesOnBitForBit) {
+    for (const int steps : {1, 7, 15, 16}) {
+        Bar bar(PreconditionerKind::lattice_multigrid, {24, 6, 6}, 2);
+        bar.run(12);
+        swap_ends(bar);
+        bar.run(steps);
+        const auto snapshot = bar.world.save();
+        bar.run(20);
+        Bar fresh(PreconditionerKind::lattice_multigrid, {24, 6, 6}, 1);
+        swap_ends(fresh);
+        fresh.world.restore(snapshot);
+        fresh.run(20);
+        EXPECT_EQ(fresh.world.hash(), bar.world.hash()) << "saved " << steps << " steps after the supports changed";
+        bar.world.restore(snapshot);
+        bar.run(20);
+        EXPECT_EQ(fresh.world.hash(), bar.world.hash()) << "restored in place, " << steps;
+    }
+}
+
+TEST(WorldPreconditioner, AnotherChangeWhileAHierarchyIsUnderWayIsBuiltAfterIt) {
+    Bar bar(PreconditionerKind::lattice_multigrid), alike(PreconditionerKind::lattice_multigrid, {24, 6, 6}, 3);
+    for (Bar* b : {&bar, &alike}) {
+        b->run(20);
+        swap_ends(*b);
+        b->run(5);
+        b->world.fix(b->body, test::at_x(0));
+        b->run(40);
+    }
+    EXPECT_EQ(bar.world.hash(), alike.world.hash());
+    Bar never(PreconditionerKind::lattice_multigrid);
+    never.world.fix(never.body, InsideBox{Vec3(0.39, -1, -1), Vec3(1, 1, 1)});
+    const int usual = never.run(20), now = bar.run(20);
+    EXPECT_LT(now, 1.5 * usual);
+}
+
+TEST(WorldPreconditioner, ABodyMayGoWhileItsHierarchyIsUnderWay) {
+    Bar bar(PreconditionerKind::lattice_multigrid);
+    bar.run(3);
+    swap_ends(bar);
+    bar.run(1);
+    bar.world.remove_body(bar.body);
+    bar.world.step();
+}
+
 TEST(WorldPreconditioner, ResetReturnsToTheBeginning) {
     Bar bar(PreconditionerKind::lattice_multigrid);
     bar.run(8);

@@ -107,7 +107,7 @@ struct LatticeMultigrid<Real>::Hierarchy {
     std::vector<LatticeInterpolation> transfer;
     std::vector<AlignedVector<float>> correction;      ///< [transfer][node] unscaled, turned
     std::unique_ptr<DirectSolver> direct;              ///< below the last smoothed level, or null
-    std::vector<std::int32_t> partly_held;             ///< rows, ascending, with some coordinate free and some held
+    std::vector<std::int32_t> corrected_though_held;   ///< rows, ascending, that the lattice reaches though some coordinate is held
     std::vector<std::uint8_t> held;
     // Warp of level 1.
     std::vector<std::array<std::int32_t, kSamples>> samples;
@@ -182,10 +182,6 @@ template <class Real>
 void LatticeMultigrid<Real>::build(Team& team, const LatticeDef& def, const Bsr3<Real>& A, RotationLookup rotation) {
     h_ = std::make_unique<Hierarchy>();
     Hierarchy& h = *h_;
-    h.held.assign(def.held.begin(), def.held.end());
-    for (std::size_t i = 0; i < h.held.size(); ++i) {
-        if (h.held[i] != 0 && h.held[i] != 7) h.partly_held.push_back(std::int32_t(i));
-    }
     h.row_slot.assign(pattern_.rows, -1);
     h.partial.resize(row_chunks(pattern_.rows) + pattern_.rows);  // the finest level's chunks are never more than its rows
     h.level.push_back(std::make_unique<PackedLevel>(isa_, pattern_.row_start, pattern_.column));
@@ -200,7 +196,7 @@ void LatticeMultigrid<Real>::build(Team& team, const LatticeDef& def, const Bsr3
                                         : make_interpolation(points, h.matrix[l - 1].row_start, h.matrix[l - 1].column);
         const std::size_t nodes = P.node.size();
         if (nodes == 0 || (l > 0 && nodes > above * 3 / 4)) break;  // all held, or a cloud of parts that no lattice makes fewer
-        h.matrix.push_back(l == 0 ? galerkin<Real>(team, {pattern_.row_start, pattern_.column, A.value.data(), h.held}, P)
+        h.matrix.push_back(l == 0 ? galerkin<Real>(team, {pattern_.row_start, pattern_.column, A.value.data(), def.held}, P)
                                   : galerkin<float>(team, {h.matrix[l - 1].row_start, h.matrix[l - 1].column, h.matrix[l - 1].value.data(), {}}, P));
         if (l == 0) {
             h.samples = choose_samples(P, def.rotation_of_row);
@@ -223,7 +219,20 @@ void LatticeMultigrid<Real>::build(Team& team, const LatticeDef& def, const Bsr3
         if (l == 0) h.diagonal1 = diagonal;
     }
     for (std::size_t l = 1; l < h.matrix.size(); ++l) h.matrix[l].value = {};
+    hold(def.held);
     turn(team, rotation);
+}
+
+template <class Real>
+void LatticeMultigrid<Real>::hold(std::span<const std::uint8_t> held) {
+    Hierarchy& h = *h_;
+    h.held.assign(held.begin(), held.end());
+    h.corrected_though_held.clear();
+    if (h.transfer.empty()) return;
+    const std::vector<std::int32_t>& start = h.transfer[0].to_points.row_start;
+    for (std::size_t i = 0; i < held.size(); ++i) {
+        if (held[i] != 0 && start[i] != start[i + 1]) h.corrected_though_held.push_back(std::int32_t(i));
+    }
 }
 
 template <class Real>
@@ -368,9 +377,9 @@ void LatticeMultigrid<Real>::cycle(Team& team, std::size_t l) {
         team.for_range(n, chunk, [&](std::size_t begin, std::size_t end) {
             packed_kernels(isa_).prolong(P.row_start.data(), P.column.data(), P.weight.data(), h.correction[l].data(), level.scale(), level.y.data(),
                                          begin, end);
-            if (l != 0 || h.partly_held.empty()) return;
-            auto at = std::lower_bound(h.partly_held.begin(), h.partly_held.end(), std::int32_t(begin));
-            for (; at != h.partly_held.end() && *at < std::int32_t(end); ++at) {
+            if (l != 0 || h.corrected_though_held.empty()) return;
+            auto at = std::lower_bound(h.corrected_though_held.begin(), h.corrected_though_held.end(), std::int32_t(begin));
+            for (; at != h.corrected_though_held.end() && *at < std::int32_t(end); ++at) {
                 for (std::size_t c = 0; c < 3; ++c) {
                     if (h.held[std::size_t(*at)] >> c & 1) level.y[4 * std::size_t(*at) + c] = 0;
                 }

@@ -39,6 +39,9 @@ public:
     void build(Team& team, const LatticeDef& def, const Bsr3<Real>& A, RotationLookup rotation);
     bool built() const;
 
+    /// Leaves coordinates out that are held now: those held when it was built, fewer or more. [row] bit c: coordinate c is held
+    void hold(std::span<const std::uint8_t> held);
+
     /// Takes in the rotations of a step; call before update().
     void turn(Team& team, RotationLookup rotation);
     void update(Team& team, const Bsr3<Real>& A, std::span<const AppendedRow> appended) override;

@@ -97,7 +97,6 @@ void lay_state_again(BodyState& state, const fem::ElementLayout& from, const fem
     constexpr double kNoTurn[4] = {1, 0, 0, 0}, kNoStrain[6] = {};
     if (from.slot != to.slot || from.blocks != to.blocks) {
         lay_again(state.quaternion, kNoTurn, from, to);
-        lay_again(state.hierarchy_quaternion, kNoTurn, from, to);
         if (!state.plastic.empty()) lay_again(state.plastic, kNoStrain, from, to);
     }
     const std::size_t plastic = is_plastic ? to.blocks * 6 * fem::kBlock : 0;
@@ -193,7 +192,9 @@ std::unique_ptr<Body> make_body(const BodyDef& def, const WorldDef& world, std::
     if (body->elements->is_plastic()) s.plastic.assign(blocks * 6 * fem::kBlock, 0.0);
     s.frozen.assign(1, 0);
     s.hierarchy_x = data.mesh.vertices;
-    s.hierarchy_quaternion = s.quaternion;
+    s.next_x = s.hierarchy_x;
+    s.hierarchy_held.assign(n, 0);
+    s.next_held = s.hierarchy_held;
     s.solver.assign(kMemoryCount, 0);
     body->start = s;
 

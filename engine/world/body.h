@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "supple/fem/elements.h"
-#include "supple/solve/lattice_multigrid.h"
 #include "supple/solve/linear_solver.h"
 #include "supple/solve/scalar_laplacian.h"
+#include "supple/world/hierarchy_build.h"
 #include "supple/world/prepared_loads.h"
 #include "supple/world/template_data.h"
 #include "supple/world/world.h"
@@ -29,8 +29,8 @@ struct BodyState {
     AlignedVector<double> quaternion; ///< [block][w x y z][lane] element rotations: warm start
     AlignedVector<double> plastic;    ///< [block][xx yy zz xy yz zx][lane] plastic strain, of elements that flow
     std::vector<std::uint8_t> frozen; ///< one entry: 1 after containment
-    std::vector<Vec3> hierarchy_x;    ///< configuration that the frozen preconditioner was built from: positions [m]
-    AlignedVector<double> hierarchy_quaternion;  ///< and element rotations
+    std::vector<Vec3> hierarchy_x, next_x;  ///< configurations that the frozen preconditioner was built from, and that the one under way is [m]
+    std::vector<std::uint8_t> hierarchy_held, next_held;  ///< [vertex] bit c: coordinate c was held there
     std::vector<std::int32_t> solver; ///< choices of preconditioner: SolverMemory in precondition.h
 
     template <class Self, class F>
@@ -48,7 +48,9 @@ struct BodyState {
         f("plastic strains", s.plastic);
         f("frozen flag", s.frozen);
         f("positions of the frozen preconditioner", s.hierarchy_x);
-        f("rotations of the frozen preconditioner", s.hierarchy_quaternion);
+        f("positions of the next preconditioner", s.next_x);
+        f("supports of the frozen preconditioner", s.hierarchy_held);
+        f("supports of the next preconditioner", s.next_held);
         f("solver choices", s.solver);
     }
 };
@@ -81,6 +83,7 @@ struct System {
     solve::Bsr3<Real> A;
     std::unique_ptr<solve::Preconditioner<Real>> preconditioner;  ///< block-Jacobi, always at hand; the factor where `direct` is asked for
     std::unique_ptr<solve::LatticeMultigrid<Real>> multigrid;     ///< null until it is wanted
+    std::unique_ptr<HierarchyBuild<Real>> next;                   ///< the one that will take its place, or null
     std::unique_ptr<solve::ScalarLaplacian<Real>> laplacian;      ///< null until it is wanted
     solve::LinearSolver<Real> solver;
     std::unique_ptr<ElementCoupling<Real>> coupling;  ///< null: the matrix is the whole tangent
@@ -138,8 +141,9 @@ struct Body {
     std::vector<Motion> motions;
     PreparedLoads loads;
     std::vector<std::int32_t> held_rows;    ///< matrix rows with a held coordinate of their own or of a neighbour
-    bool supports_changed = true;
-    bool preconditioner_fits = false;  ///< the frozen one was built from state.hierarchy_x and the present supports
+    bool supports_changed = true;           ///< what depends on them must be made anew
+    bool supports_edited = true;            ///< and the preconditioner with them
+    bool preconditioner_fits = false;  ///< the frozen one was built from state.hierarchy_x and state.hierarchy_held
 
     BodyState state, start;
     Workspace work;

@@ -15,6 +15,7 @@ constexpr std::size_t kSmallestForLattice = 100;  // below, no lattice is coarse
 constexpr std::int32_t kTrialEvery = 50;       // solves between two trials of block-Jacobi
 constexpr std::int32_t kSlowSolves = 5;        // in a row, before the hierarchy is built anew
 constexpr int kTellingIterations = 4;          // fewer say nothing about a hierarchy
+constexpr std::int32_t kStepsToBuild = 16;     // a hierarchy takes about five steps' time on a thread of its own, more where the cores are busy
 constexpr std::int32_t kBrokenSolves = 100;    // before a preconditioner that broke down gets another chance
 
 PreconditionerKind kind_at_work(const Body& body) { return PreconditionerKind(body.state.solver[kMemoryKind]); }
@@ -28,55 +29,125 @@ void read_rotation(const Body& body, const AlignedVector<double>& quaternion, st
     for (std::size_t k = 0; k < 4; ++k) wxyz[k] = q[k * fem::kBlock];
 }
 
-std::vector<std::uint8_t> held_bits(const Body& body) {
-    std::vector<std::uint8_t> held(body.vertices());
-    for (std::size_t i = 0; i < held.size(); ++i) {
-        for (std::size_t c = 0; c < 3; ++c) held[i] = std::uint8_t(held[i] | (body.is_held(i, c) ? 1u << c : 0u));
-    }
-    return held;
-}
-
-/// Matrix of the configuration that frozen parts are built from, in system.A.
-void assemble_build_configuration(StepContext& ctx, Body& body, AlignedVector<double>& quaternion) {
+/// Tangent of a configuration in system.A, with the coordinates in `held` left out. Uses the body's elements: before a step's evaluation.
+/// @return  rotations of its elements, [element][w x y z]
+template <class Real>
+std::vector<double> assemble_configuration(StepContext& ctx, Body& body, System<Real>& system, const std::vector<Vec3>& x, const std::vector<std::uint8_t>& held) {
+    AlignedVector<double> quaternion(body.layout().blocks * 4 * fem::kBlock, 0.0);
+    fem::seed_rotations(ctx.team, body.layout(), x, quaternion);
     fem::ElementOutputs outputs;
     outputs.tangent = true;
-    quaternion = body.state.hierarchy_quaternion;
-    body.elements->evaluate(ctx.team, body.state.hierarchy_x.data()->data(), quaternion.data(), outputs);
+    body.elements->evaluate(ctx.team, x.data()->data(), quaternion.data(), outputs);
     const double h = body.work.h;
     body.work.h = scheme_step(ctx.world.def);  // the same whenever it is built
-    assemble(ctx, body);
+    const double mass = mass_scale(ctx, body), stiffness = stiffness_scale(ctx, body);
     body.work.h = h;
+    std::vector<double> diagonal(body.vertices());
+    for (std::size_t i = 0; i < diagonal.size(); ++i) diagonal[i] = mass * body.mass[i];
+    body.elements->assemble(ctx.team, stiffness, diagonal, system.A.value.data());
+    const solve::Bsr3Pattern& pattern = body.data().pattern;
+    for (std::size_t row = 0; row < pattern.rows; ++row) {
+        for (std::int32_t block = pattern.row_start[row]; block < pattern.row_start[row + 1]; ++block) {
+            const auto column = std::size_t(pattern.column[std::size_t(block)]);
+            if (held[row] == 0 && held[column] == 0) continue;
+            Real* value = system.A.value.data() + std::size_t(block) * 12;
+            for (std::size_t c = 0; c < 3; ++c)
+                for (std::size_t i = 0; i < 3; ++i) {
+                    if ((held[row] >> i & 1) || (held[column] >> c & 1)) value[4 * c + i] = Real(row == column && i == c ? 1 : 0);
+                }
+        }
+    }
+    std::vector<double> rotation(body.element_count() * 4);
+    for (std::size_t e = 0; e < body.element_count(); ++e) read_rotation(body, quaternion, std::int32_t(e), rotation.data() + 4 * e);
+    return rotation;
 }
 
 template <class Real>
-void build_lattice(StepContext& ctx, Body& body, System<Real>& system) {
-    AlignedVector<double> quaternion;
-    assemble_build_configuration(ctx, body, quaternion);
-    const TemplateData& data = body.data();
-    const std::vector<std::uint8_t> held = held_bits(body);
-    std::vector<std::array<std::int32_t, 3>> near(body.vertices(), {-1, -1, -1});
-    for (std::size_t i = 0; i < near.size(); ++i) {
+HierarchyInputs<Real> hierarchy_inputs(StepContext& ctx, Body& body, System<Real>& system, const std::vector<Vec3>& x, const std::vector<std::uint8_t>& held) {
+    HierarchyInputs<Real> in;
+    in.rotation = assemble_configuration(ctx, body, system, x, held);
+    in.held = held;
+    in.elements_near.assign(body.vertices(), {-1, -1, -1});
+    for (std::size_t i = 0; i < in.elements_near.size(); ++i) {
         const fem::ElementMap& around = body.layout().around;
         const std::int64_t first = around.start[i], last = around.start[i + 1];
         for (std::int64_t k = 0; k < 3 && first + k < last; ++k) {
             // Spread over the elements around the vertex, not three neighbours of one another.
-            near[i][std::size_t(k)] = around.element[std::size_t(first + k * (last - first) / 3)];
+            in.elements_near[i][std::size_t(k)] = around.element[std::size_t(first + k * (last - first) / 3)];
         }
     }
+    for (const double v : body.layout().volume) in.volume += v;
+    return in;
+}
+
+template <class Real>
+std::unique_ptr<solve::LatticeMultigrid<Real>> build_hierarchy(Team& team, const TemplateData& data, Isa isa, const HierarchyInputs<Real>& in, const solve::Bsr3<Real>& A) {
     solve::LatticeDef def;
     def.points = data.mesh.vertices;
-    def.held = held;
-    def.rotation_of_row = near;
-    for (const double v : body.layout().volume) def.volume += v;
-    if (!system.multigrid) system.multigrid = std::make_unique<solve::LatticeMultigrid<Real>>(data.pattern, ctx.world.isa);
-    system.multigrid->build(ctx.team, def, system.A, [&](std::int32_t id, double* q) { read_rotation(body, quaternion, id, q); });
+    def.held = in.held;
+    def.rotation_of_row = in.elements_near;
+    def.volume = in.volume;
+    auto multigrid = std::make_unique<solve::LatticeMultigrid<Real>>(data.pattern, isa);
+    multigrid->build(team, def, A, [&](std::int32_t id, double* q) { std::copy_n(in.rotation.data() + 4 * std::size_t(id), 4, q); });
+    return multigrid;
+}
+
+/// The hierarchy of state.hierarchy_x, at once.
+template <class Real>
+void build_now(StepContext& ctx, Body& body, System<Real>& system) {
+    const HierarchyInputs<Real> in = hierarchy_inputs(ctx, body, system, body.state.hierarchy_x, body.state.hierarchy_held);
+    system.multigrid = build_hierarchy(ctx.team, body.data(), ctx.world.isa, in, system.A);
+    system.multigrid->hold(held_bits(body));
+}
+
+/// Asks for a hierarchy of the body as it stands. The one at work goes on meanwhile.
+void ask_for_next(Body& body) {
+    std::vector<std::int32_t>& m = body.state.solver;
+    if (m[kMemoryPending] > 0) {
+        m[kMemoryAgain] = 1;
+        return;
+    }
+    body.state.next_x = body.state.x;
+    body.state.next_held = held_bits(body);
+    m[kMemoryPending] = kStepsToBuild;
+    m[kMemoryAgain] = 0;
+}
+
+/// Brings the next hierarchy on its way, and puts it to work when its steps have passed: always after the same number, ready or not, so that a run is the same every time.
+template <class Real>
+void advance_next(StepContext& ctx, Body& body, System<Real>& system) {
+    std::vector<std::int32_t>& m = body.state.solver;
+    if (m[kMemoryPending] == 0) return;
+    if (!system.next) {
+        system.next = std::make_unique<HierarchyBuild<Real>>();
+        HierarchyBuild<Real>& next = *system.next;
+        next.inputs = hierarchy_inputs(ctx, body, system, body.state.next_x, body.state.next_held);
+        next.inputs.A = system.A;
+        next.thread = std::make_unique<Background>([&next, &data = body.data(), isa = ctx.world.isa] {
+            Team alone;
+            next.result = build_hierarchy(alone, data, isa, next.inputs, next.inputs.A);
+        });
+    }
+    if (--m[kMemoryPending] > 0) return;
+    if (ctx.world.def.solver.step_budget_us > 0 && !system.next->thread->done()) {
+        ctx.report.flags |= StepFlag::late_preconditioner;
+        m[kMemoryPending] = 1;
+        return;
+    }
+    system.next->thread->wait();
+    system.multigrid = std::move(system.next->result);
+    system.next.reset();
+    std::swap(body.state.hierarchy_x, body.state.next_x);
+    std::swap(body.state.hierarchy_held, body.state.next_held);
+    system.multigrid->hold(held_bits(body));
+    m[kMemoryBase] = m[kMemorySlow] = 0;
+    if (m[kMemoryAgain] != 0) ask_for_next(body);
 }
 
 /// False if the matrix has no such factor.
 template <class Real>
 bool build_laplacian(StepContext& ctx, Body& body, System<Real>& system) {
-    AlignedVector<double> quaternion;
-    assemble_build_configuration(ctx, body, quaternion);
+    assemble_configuration(ctx, body, system, body.state.hierarchy_x, held_bits(body));
     system.laplacian = std::make_unique<solve::ScalarLaplacian<Real>>(body.vertices());
     return system.laplacian->build(system.A, held_bits(body));
 }
@@ -92,6 +163,7 @@ PreconditionerKind first_choice(const Body& body, PreconditionerKind asked) {
 }
 
 void set_kind(Body& body, PreconditionerKind kind) {
+    with_system(body, [](auto& system) { system.next.reset(); });
     body.state.solver.assign(kMemoryCount, 0);
     body.state.solver[kMemoryKind] = std::int32_t(kind);
     body.state.solver[kMemoryTrial] = kTrialEvery;
@@ -117,10 +189,8 @@ void note_multigrid(Body& body, const solve::LinearSolveResult& result, bool aut
     }
     m[kMemorySlow] = cost > m[kMemoryBase] + m[kMemoryBase] / 2 ? m[kMemorySlow] + 1 : 0;
     if (m[kMemorySlow] < kSlowSolves) return;
-    body.state.hierarchy_x = body.state.x;
-    body.state.hierarchy_quaternion = body.state.quaternion;
-    m[kMemoryBase] = m[kMemorySlow] = 0;
-    drop_preconditioner(body);
+    m[kMemorySlow] = 0;
+    if (m[kMemoryPending] == 0) ask_for_next(body);
 }
 
 template <class Real>
@@ -147,19 +217,52 @@ void go_on(StepContext& ctx, Body& body, System<Real>& system, solve::Preconditi
 
 }  // namespace
 
-void drop_preconditioner(Body& body) { body.preconditioner_fits = false; }
+std::vector<std::uint8_t> held_bits(const Body& body) {
+    std::vector<std::uint8_t> held(body.vertices());
+    for (std::size_t i = 0; i < held.size(); ++i) {
+        for (std::size_t c = 0; c < 3; ++c) held[i] = std::uint8_t(held[i] | (body.is_held(i, c) ? 1u << c : 0u));
+    }
+    return held;
+}
+
+void drop_preconditioner(Body& body) {
+    body.preconditioner_fits = false;
+    with_system(body, [](auto& system) { system.next.reset(); });
+}
+
+void supports_have_changed(Body& body) {
+    if (body.preconditioner_fits && kind_at_work(body) == PreconditionerKind::lattice_multigrid) {
+        with_system(body, [&](auto& system) { system.multigrid->hold(held_bits(body)); });
+        ask_for_next(body);
+        return;
+    }
+    // Nothing is at work that could go on.
+    drop_preconditioner(body);
+    body.state.hierarchy_held = held_bits(body);
+    body.state.solver[kMemoryPending] = body.state.solver[kMemoryAgain] = 0;
+}
+
+void restart_preconditioner(Body& body, BodyState& state) {
+    const bool built_alike = body.preconditioner_fits && state.hierarchy_x == body.state.hierarchy_x && state.hierarchy_held == body.state.hierarchy_held;
+    if (!built_alike) return drop_preconditioner(body);
+    with_system(body, [](auto& system) { system.next.reset(); });
+}
 
 void prepare_preconditioner(StepContext& ctx, Body& body) {
     const PreconditionerKind asked = ctx.world.def.solver.preconditioner;
     if (kind_at_work(body) == PreconditionerKind::automatic) set_kind(body, first_choice(body, asked));
-    if (body.preconditioner_fits || needs_no_build(kind_at_work(body))) return;
+    if (needs_no_build(kind_at_work(body))) return;
     bool good = true;
     with_system(body, [&](auto& system) {
-        if (kind_at_work(body) == PreconditionerKind::scalar_laplacian) {
-            good = build_laplacian(ctx, body, system);
-        } else {
-            build_lattice(ctx, body, system);
+        const bool lattice = kind_at_work(body) == PreconditionerKind::lattice_multigrid;
+        if (!body.preconditioner_fits) {
+            if (lattice) {
+                build_now(ctx, body, system);
+            } else {
+                good = build_laplacian(ctx, body, system);
+            }
         }
+        if (lattice) advance_next(ctx, body, system);
     });
     if (!good) {
         ctx.report.flags |= StepFlag::preconditioner;

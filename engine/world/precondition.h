@@ -13,6 +13,8 @@ enum SolverMemory : std::size_t {
     kMemorySlow,        ///< solves in a row that took half as many again
     kMemoryTrial,       ///< solves until block-Jacobi is tried again
     kMemoryBroken,      ///< solves that block-Jacobi stands in for a preconditioner that broke down
+    kMemoryPending,     ///< steps until the hierarchy under way takes over, 0: none is
+    kMemoryAgain,       ///< 1: another one is wanted after it
     kMemoryCount
 };
 
@@ -20,8 +22,17 @@ enum SolverMemory : std::size_t {
 /// the body, so it comes before a step's evaluation. Allocates when it builds.
 void prepare_preconditioner(StepContext& ctx, Body& body);
 
-/// What was built in `body` no longer fits its inputs: supports, material, restored state.
+/// [vertex] bit c: coordinate c is held.
+std::vector<std::uint8_t> held_bits(const Body& body);
+
+/// What was built in `body` no longer fits its inputs: material, restored state.
 void drop_preconditioner(Body& body);
+
+/// The body is about to take over a state of another time: keeps what was built if it was built from the same.
+void restart_preconditioner(Body& body, BodyState& state);
+
+/// Other coordinates are held than before. A hierarchy at work goes on without them while a new one is built beside the steps.
+void supports_have_changed(Body& body);
 
 /// Solves the body's system with its preconditioner, and goes on with block-Jacobi where that breaks down. 
 /// @param remember  its iterations, for the choices above: of the first solve of a step, which are alike from step to step

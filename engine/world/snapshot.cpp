@@ -3,13 +3,14 @@
 #include "supple/base/byte_stream.h"
 #include "supple/base/hash.h"
 #include "supple/world/impl.h"
+#include "supple/world/precondition.h"
 
 namespace supple {
 
 namespace {
 
 constexpr std::uint64_t kMagic = 0x31504e53504c5053ULL;  // "SPLPSNP1", little-endian
-constexpr std::uint32_t kVersion = 3;
+constexpr std::uint32_t kVersion = 4;
 
 std::uint64_t checksum(std::span<const std::byte> bytes) {
     Hasher hasher;
@@ -136,8 +137,10 @@ void World::restore(std::span<const std::byte> snapshot) {
     w.next_drag_generation = std::max(w.next_drag_generation, next_drag);  // no handle given out since the save may come to life again
     for (std::size_t i = 0; i < states.size(); ++i) {
         Body& body = *w.slots[w.order[i]].body;
+        restart_preconditioner(body, states[i]);
         std::swap(body.state, states[i]);
         body.supports_changed = true;
+        body.supports_edited = false;  // the snapshot says what its preconditioner was built from
         body.stress.valid = false;
     }
     w.drags = std::move(drags);
@@ -151,8 +154,10 @@ void World::reset() {
     w.drags.clear();
     for (const std::uint32_t slot : w.order) {
         Body& body = *w.slots[slot].body;
-        if (body.state.hierarchy_x != body.start.hierarchy_x) body.preconditioner_fits = false;
-        body.state = body.start;
+        BodyState start = body.start;
+        start.hierarchy_held = held_bits(body);
+        restart_preconditioner(body, start);
+        body.state = std::move(start);
         body.stress.valid = false;
     }
 }

@@ -12,6 +12,7 @@ std::string_view name(StepFlag one_bit) {
         case StepFlag::no_equilibrium: return "no_equilibrium";
         case StepFlag::preconditioner: return "preconditioner";
         case StepFlag::budget: return "budget";
+        case StepFlag::late_preconditioner: return "late_preconditioner";
         case StepFlag::none: break;
     }
     return "none";
@@ -34,6 +35,8 @@ std::string_view cure(StepFlag one_bit) {
             return "the frozen preconditioner was no longer positive and block-Jacobi took over: look for slivers in the mesh, or set preconditioner to \"block_jacobi\"";
         case StepFlag::budget:
             return "step_budget_us was used up before cg_relative_tolerance: raise the one, loosen the other, or use a coarser mesh";
+        case StepFlag::late_preconditioner:
+            return "the next preconditioner was not ready in its step and the last one goes on, slower: leave a core to it, or set step_budget_us to 0 for steps that wait";
         case StepFlag::none: break;
     }
     return "all is well";

@@ -18,12 +18,14 @@ enum class StepFlag : std::uint32_t {
     no_equilibrium = 1u << 5,    ///< static: no equilibrium found, even with the load in small steps
     preconditioner = 1u << 6,    ///< the preconditioner lost its definiteness; block-Jacobi took over, the answer is as good but slower
     budget = 1u << 7,            ///< step_budget_us was used up before the tolerance: the step holds the best iterate
+    late_preconditioner = 1u << 8,  ///< with step_budget_us: the next preconditioner was not ready in its step, the last one goes on; the run is no longer the same every time
 };
 constexpr StepFlag operator|(StepFlag a, StepFlag b) { return StepFlag(std::uint32_t(a) | std::uint32_t(b)); }
 constexpr StepFlag operator&(StepFlag a, StepFlag b) { return StepFlag(std::uint32_t(a) & std::uint32_t(b)); }
 constexpr StepFlag& operator|=(StepFlag& a, StepFlag b) { return a = a | b; }
 inline constexpr StepFlag kAllStepFlags[] = {StepFlag::iteration_cap, StepFlag::residual_stalled, StepFlag::non_finite,
-                                             StepFlag::frozen, StepFlag::newton_cap, StepFlag::no_equilibrium, StepFlag::preconditioner, StepFlag::budget};
+                                             StepFlag::frozen, StepFlag::newton_cap, StepFlag::no_equilibrium, StepFlag::preconditioner, StepFlag::budget,
+                                             StepFlag::late_preconditioner};
 
 std::string_view name(StepFlag one_bit);  ///< "iteration_cap", ...: the words of report files
 std::string_view cure(StepFlag one_bit);  ///< one sentence: what to change

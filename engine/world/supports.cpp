@@ -13,7 +13,7 @@ void own(Body& body, const std::vector<std::int32_t>& vertices, Axes axes, std::
             if (axis[c]) body.owner[std::size_t(v) * 3 + c] = owner;
         }
     }
-    body.supports_changed = true;
+    body.supports_changed = body.supports_edited = true;
 }
 
 }  // namespace
@@ -67,7 +67,8 @@ void refresh_supports(World::Impl& world, BodyId id, Body& body) {
         }
     }
     body.supports_changed = false;
-    body.preconditioner_fits = false;
+    if (body.supports_edited) supports_have_changed(body);
+    body.supports_edited = false;
 }
 
 }  // namespace supple
