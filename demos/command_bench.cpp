@@ -70,7 +70,7 @@ int bench(const BenchOptions& o) {
         }
         all.push_back(measure(w, o));
         const Measurement& m = all.back();
-        std::fputs(text_of(m, machine).c_str(), stdout);
+        std::fputs(text_of(m).c_str(), stdout);
         std::fflush(stdout);
         std::fputs(m.statistics.flag_sentences().c_str(), stderr);
         good = good && m.repeats_agree && m.statistics.flags().empty();

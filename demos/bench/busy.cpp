@@ -29,8 +29,8 @@ public:
             if (child == 0) {
                 prctl(PR_SET_PDEATHSIG, SIGKILL);  // never outlives the benchmark, however that ends
                 if (getppid() != parent) _exit(0);
-                for (volatile unsigned turns = 0;; turns = turns + 1) {
-                }
+                volatile unsigned turns = 0;
+                for (;;) turns = turns + 1;
             }
             children_.push_back(child);
         }

@@ -43,13 +43,6 @@ double Measurement::setup_ns() const {
     return 1e6 * io::median(ms) * threads / double(world.elements);
 }
 
-double Measurement::solve_gb_s() const {
-    const std::vector<double>& ms = statistics.stage_ms(std::size_t(Stage::solve));
-    std::vector<double> rate;
-    for (std::size_t i = 0; i < ms.size(); ++i) rate.push_back(ms[i] > 0 ? statistics.solve_bytes()[i] / ms[i] * 1e-6 : 0);
-    return io::median(rate);
-}
-
 Measurement measure(const Workload& workload, const BenchOptions& o) {
     Measurement m;
     m.name = workload.name;

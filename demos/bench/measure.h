@@ -22,8 +22,6 @@ struct Measurement {
 
     /// Rotation, force, stress and assembly: wall clock times threads over elements, of the median step [ns].
     double setup_ns() const;
-    /// What the iterations read and wrote over the time of the whole solve, of the median step [GB/s].
-    double solve_gb_s() const;
 };
 
 /// Warm-up, then the same steps again and again from the same state. A world that nobody touches goes back by its snapshot; a scripted one is made anew.

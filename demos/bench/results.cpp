@@ -58,7 +58,6 @@ std::string measurement_json(const Measurement& m) {
         .add("cg_iterations", mean_and_max(s.iterations()))
         .add("cg_relative_residual", median_and_max(s.residuals()))
         .add("setup_ns_per_element_and_core", json(m.setup_ns()))
-        .add("solve_gb_s", json(m.solve_gb_s()))
         .add("resident_mb", json(m.resident_mb))
         .add("flags", json_array(flags))
         .add("state_hash", json(hash_text(m.world.state_hash)))
@@ -69,15 +68,13 @@ std::string measurement_json(const Measurement& m) {
 
 }  // namespace
 
-std::string text_of(const Measurement& m, const Machine& machine) {
+std::string text_of(const Measurement& m) {
     const StepStatistics& s = m.statistics;
-    const double bound = m.threads == 1 ? machine.cache_one_gb_s : machine.cache_all_gb_s;
     std::string text = print("\n%s: %zu elements, %zu vertices, %d thread%s, %s\n%s", m.name.c_str(), m.world.elements, m.world.vertices, m.threads,
                              m.threads == 1 ? "" : "s", m.world.isa.c_str(), s.table().c_str());
     text += print("  iterations %.1f (mean) %.0f (most), true relative residual %.2g (median) %.2g (largest)\n", mean(s.iterations()),
                   io::percentile(s.iterations(), 1), io::median(s.residuals()), io::percentile(s.residuals(), 1));
-    text += print("  set-up %.1f ns per element and core; solve moves %.1f GB/s, %.0f %% of what %s reads from cache; first step %.2f ms\n", m.setup_ns(),
-                  m.solve_gb_s(), 100 * m.solve_gb_s() / bound, m.threads == 1 ? "a thread" : "the machine", m.first_step_ms);
+    text += print("  set-up %.1f ns per element and core; first step %.2f ms\n", m.setup_ns(), m.first_step_ms);
     text += print("  memory %.1f MB, state %s%s\n", m.resident_mb, hash_text(m.world.state_hash).c_str(), m.repeats_agree ? "" : " - REPETITIONS DIFFER");
     if (m.tip_m) text += print("  tip (%.5f, %.5f, %.5f) m\n", m.tip_m->x(), m.tip_m->y(), m.tip_m->z());
     return text;
