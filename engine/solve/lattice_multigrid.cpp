@@ -426,16 +426,6 @@ std::vector<std::size_t> LatticeMultigrid<Real>::level_rows() const {
     return rows;
 }
 
-/// Each level is gone through twice per degree of its smoother, the residual included.
-template <class Real>
-double LatticeMultigrid<Real>::apply_bytes() const {
-    double sum = 0;
-    for (const auto& level : h_->level) sum += 2.0 * level->degree() * double(level->bytes());
-    for (const auto& P : h_->transfer) sum += double(2 * P.to_points.column.size() * 8);
-    if (h_->direct) sum += double(h_->direct->value.size() * 4);
-    return sum;
-}
-
 template <class Real>
 std::size_t LatticeMultigrid<Real>::bytes() const {
     std::size_t sum = 0;

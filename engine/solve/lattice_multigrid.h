@@ -46,7 +46,6 @@ public:
     void turn(Team& team, RotationLookup rotation);
     void update(Team& team, const Bsr3<Real>& A, std::span<const AppendedRow> appended) override;
     double apply(Team& team, const Real* r, Real* z) override;
-    double apply_bytes() const override;
 
     std::vector<std::size_t> level_rows() const;  ///< rows of each level, the finest first
     std::size_t bytes() const;

@@ -141,8 +141,6 @@ void LinearSolver<Real>::conjugate_gradients(Team& team, const Bsr3<Real>& A, st
         std::fill(d_.begin() + std::ptrdiff_t(begin * 4), d_.begin() + std::ptrdiff_t(end * 4), Real(0));
     });
     double rz = 0;
-    const double vector_bytes = double(rows_ * 4 * sizeof(Real));  // an iteration goes through eleven, two of them in the product
-    const double iteration_bytes = double(A.pattern->blocks() * (12 * sizeof(Real) + 4)) + 11 * vector_bytes + preconditioner.apply_bytes();
     for (int iteration = 0; result.iterations < def.max_iterations; ++iteration) {
         if (def.deadline_ns != 0 && now_ns() > def.deadline_ns) {
             result.out_of_time = true;
@@ -169,7 +167,6 @@ void LinearSolver<Real>::conjugate_gradients(Team& team, const Bsr3<Real>& A, st
             return kernels_.advance(alpha, p_.data(), q_.data(), d_.data(), r_.data(), begin, end);
         });
         ++result.iterations;
-        result.bytes += iteration_bytes;
         if (!(std::sqrt(rr) > target)) return;
     }
 }

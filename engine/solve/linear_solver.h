@@ -21,7 +21,6 @@ struct LinearSolveResult {
     bool stalled = false;          ///< a pass no longer lowers the true residual: the precision of the matrix is used up
     bool breakdown = false;        ///< the preconditioner was not positive: nothing wrong with x, but another one must go on
     bool out_of_time = false;      ///< the deadline passed first
-    double bytes = 0;              ///< read and written by the iterations, as if no cache held any of them
 };
 
 /// Solves A x = b for a symmetric positive definite A by preconditioned conjugate gradients inside iterative refinement.

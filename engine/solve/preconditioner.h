@@ -37,8 +37,6 @@ public:
     /// @param r, z  [row][x y z 0]
     /// @return      r . z
     virtual double apply(Team& team, const Real* r, Real* z) = 0;
-    /// Bytes that apply() reads and writes, as if no cache held any of them; 0: not counted.
-    virtual double apply_bytes() const { return 0; }
 
     /// Diagonal blocks of a Coupling, one per row, taken in with every update; empty: none. They stay with the caller.
     std::span<const Mat3> coupling_diagonal;
@@ -51,7 +49,6 @@ public:
     BlockJacobi(std::size_t rows, Isa isa);
     void update(Team& team, const Bsr3<Real>& A, std::span<const AppendedRow> appended) override;
     double apply(Team& team, const Real* r, Real* z) override;
-    double apply_bytes() const override { return double(rows_ * 20 * sizeof(Real)); }
 
 private:
     const Bsr3Kernels<Real>& kernels_;

@@ -209,10 +209,9 @@ void go_on(StepContext& ctx, Body& body, System<Real>& system, solve::Preconditi
     solve::LinearSolveDef rest = def;
     rest.max_iterations = def.max_iterations - done.iterations;
     if (rest.max_iterations <= 0) return;
-    const solve::LinearSolveResult before = done;
+    const int before = done.iterations;
     done = run(ctx, body, system, preconditioner, body.work.free_rhs, {}, rest, true_residual);
-    done.iterations += before.iterations;
-    done.bytes += before.bytes;
+    done.iterations += before;
 }
 
 }  // namespace

@@ -118,7 +118,6 @@ bool comes_to_rest(StepContext& ctx, Body& body, double rhs_norm, double floor) 
 }
 
 void report_solve(StepContext& ctx, const solve::LinearSolveResult& result, double scale) {
-    ctx.report.solve_bytes += result.bytes;
     if (result.stalled) ctx.report.flags |= StepFlag::residual_stalled;
     if (result.out_of_time) {
         ctx.report.flags |= StepFlag::budget;

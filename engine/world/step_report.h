@@ -45,7 +45,6 @@ struct StepReport {
     int cg_iterations = 0;
     int newton_iterations = 0;   ///< largest over the bodies
     double cg_relative_residual = 0;  ///< |b - A dv| / |b| in float64 arithmetic on float64 state; largest over bodies. 0 where b = 0
-    double solve_bytes = 0;  ///< read and written by the iterations of the linear solves, as if no cache held any of them
     double setup_ms() const { return step_ms - stage_ms[std::size_t(Stage::solve)]; }
 };
 
