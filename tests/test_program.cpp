@@ -74,7 +74,7 @@ protected:
 
     supple::VolumeMesh write_bar() const {
         const supple::VolumeMesh mesh = supple::make_tet_box({.max_m = {0.4, 0.1, 0.1}, .cells = {8, 2, 2}});
-        supple::io::write_gmsh(path("bar.msh"), mesh);
+        supple::io::write_mesh(path("bar.msh"), mesh);
         return mesh;
     }
 

@@ -40,7 +40,7 @@ struct Scene {
 ///   solver   {integrator, newton_iterations, newton_tolerance, cg_relative_tolerance, cg_max_iterations, preconditioner, precision,
 ///             linearise_at, tangent, operator, rayleigh_mass_1_s, rayleigh_stiffness_s}
 ///   camera   {eye_m, target_m, fov_deg}
-///   bodies   [{name, mesh: "file" or box: {min_m, max_m, cells: [nx, ny, nz], elements: "tets"}, scale, translation_m, velocity_m_s,
+///   bodies   [{name, mesh: "file" or box: {min_m, max_m, cells: [nx, ny, nz], elements: "tets"}, scale, units, up, translation_m, velocity_m_s,
 ///   density_kg_m3,
 ///             material {law, rotation, young_pa, poisson}, or of a hyperelastic law {law, its parameters, fibre, sheet, fibre_stiffness_pa,
 ///             fibre_exponent, sheet_stiffness_pa, sheet_exponent, matrix_regularization},
@@ -49,6 +49,9 @@ struct Scene {
 ///             loads [{<selection>, force_n | force_per_vertex_n | traction_pa | pressure_pa (follower: true) | moment_nm
 ///                    (axis: [x, y, z], follower: true) | body_force_n_m3, times_s}],
 ///             probes [{<selection>, name, threshold_pa, threshold_m, strain}]}]
+///
+/// units ("m", "dm", "cm", "mm", "um", "km", "in", "ft") are those of the mesh file's lengths and go beside scale; up ("y", "z", "x", "-y", "-z",
+/// "-x") is the file's axis that becomes +y. Everything else in the scene is in metres and in the turned axes.
 ///
 /// <selection> is one of "box": {min_m, max_m}, "sphere": {centre_m, radius_m}, "vertices": [ids from 0], "group": "name", "all": true, or
 /// "selection": one of these or "all"; an entry of `fixed` may be the word "all" alone. Boxes and spheres are closed and look at the scaled

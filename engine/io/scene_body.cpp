@@ -1,4 +1,5 @@
 #include "supple/io/mesh_file.h"
+#include "supple/io/mesh_units.h"
 #include "supple/io/scene_parts.h"
 #include "supple/mesh/box_mesh.h"
 
@@ -38,7 +39,11 @@ VolumeMesh read_generated_box(const JsonNode& node) {
 
 std::shared_ptr<const BodyTemplate> read_shape(const JsonNode& node, double scale, SceneContext& context) {
     if (node.has("mesh") && node.has("box")) node.at("box").fail("a body has a \"mesh\" or a \"box\", not both; remove one");
+    const std::string unit = node.has("units") ? node.at("units").choice({"m", "dm", "cm", "mm", "um", "km", "in", "ft"}) : "m";
+    const std::string up = node.has("up") ? node.at("up").choice({"y", "z", "x", "-y", "-z", "-x"}) : "y";
     if (node.has("box")) {
+        for (const char* key : {"units", "up"})
+            if (node.has(key)) node.at(key).fail("a generated box is in metres and has no file to convert; remove this key");
         const JsonNode box = node.at("box");
         VolumeMesh mesh = read_generated_box(box);
         return at_pointer(box, [&] { return BodyTemplate::build(std::move(mesh), scale); });
@@ -46,10 +51,12 @@ std::shared_ptr<const BodyTemplate> read_shape(const JsonNode& node, double scal
     const JsonNode path = node.at("mesh", "give \"mesh\": \"file\" or \"box\": {\"min_m\", \"max_m\", \"cells\"}");
     const std::filesystem::path file = context.folder / path.text();
     if (path.text().empty()) path.fail("the path is empty; name a mesh file, relative to the scene file");
-    auto& shape = context.shapes[{file.lexically_normal().string(), scale}];
+    const double metres = MeshUnits{scale, unit}.meters();
+    auto& shape = context.shapes[{file.lexically_normal().string(), up, metres}];
     if (shape) return shape;
     VolumeMesh mesh = at_pointer(path, [&] { return read_mesh(file); });
-    shape = at_pointer(path, [&] { return BodyTemplate::build(std::move(mesh), scale); });
+    MeshUnits{1, "m", up}.apply(mesh.vertices);
+    shape = at_pointer(path, [&] { return BodyTemplate::build(std::move(mesh), metres); });
     return shape;
 }
 
@@ -67,7 +74,7 @@ InsideBox read_box(const JsonNode& node, bool may_be_flat) {
 }
 
 SceneBody read_body(const JsonNode& node, SceneContext& context) {
-    node.require_object({"name", "mesh", "box", "scale", "translation_m", "velocity_m_s", "density_kg_m3", "material", "regions", "fixed",
+    node.require_object({"name", "mesh", "box", "scale", "units", "up", "translation_m", "velocity_m_s", "density_kg_m3", "material", "regions", "fixed",
                          "prescribed", "loads", "probes"});
     SceneBody body;
     BodyDef& def = body.def;

@@ -4,7 +4,7 @@
 #include <map>
 #include <memory>
 #include <string>
-#include <utility>
+#include <tuple>
 #include <vector>
 
 #include "supple/io/json_node.h"
@@ -15,7 +15,7 @@ namespace supple::io {
 /// What the readers of a scene's parts share.
 struct SceneContext {
     std::filesystem::path folder;                                                          ///< mesh paths are relative to it
-    std::map<std::pair<std::string, double>, std::shared_ptr<const BodyTemplate>> shapes;  ///< by mesh file and scale: bodies share them
+    std::map<std::tuple<std::string, std::string, double>, std::shared_ptr<const BodyTemplate>> shapes;  ///< by file, up and scale: bodies share them
 };
 
 /// `node` must be an object with keys out of `known` and `planned`; one of `planned` is Error(unsupported) with `message`.

@@ -97,7 +97,8 @@ struct Workspace {
     std::vector<Vec3> y;              ///< where forces are evaluated
     std::vector<Vec3> v0;             ///< velocity that the linear solve corrects
     std::vector<Vec3> v_start;        ///< v0 at the start of a line search
-    std::vector<Vec3> v_good, target_v, unbalance;  ///< static: v0 of the last equilibrium, of the supports at their target; the forces not yet let in
+    std::vector<Vec3> v_good, target_v, unbalance, jump;  ///< static: v0 of the last equilibrium, of the supports at their target; the forces not yet let in; what the supports move in a part
+    bool project = true;              ///< evaluate_elements() makes the tangent positive semidefinite
     double withheld = 0;              ///< static: part of `unbalance` that is held back
     std::vector<Vec3> f_ext;          ///< gravity and loads
     std::vector<Vec3> f_dead;         ///< of these, what does not follow the body; kept only where something does

@@ -68,7 +68,7 @@ bool cap_drags(StepContext& ctx, BodyId id, Body& body) {
 void true_residual(StepContext& ctx, Body& body, Vec3* r) {
     const double mass = mass_scale(ctx, body), stiffness = stiffness_scale(ctx, body), inv_h = 1 / body.work.h;
     Workspace& w = body.work;
-    stiffness_product(ctx, body, w.dv);
+    tangent_product(ctx, body, w.dv);
     ctx.team.for_range(body.vertices(), kRowChunk, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) r[i] = w.rhs[i] - mass * body.mass[i] * w.dv[i] - stiffness * w.product[i];
     });
@@ -143,6 +143,22 @@ double static_scale(StepContext& ctx, Body& body) {
     return std::max(held, w.h * free_norm(ctx, body, w.f_ext));
 }
 
+double rounding_residual(StepContext& ctx, Body& body) {
+    constexpr double kEpsilon = 2.3e-16;
+    Workspace& w = body.work;
+    const bool inertia = !is_static(ctx);
+    return kEpsilon * std::sqrt(solve::sum_over_rows(ctx.team, body.vertices(), w.partial, [&](std::size_t begin, std::size_t end) {
+               double sum = 0;
+               for (std::size_t i = begin; i < end; ++i) {
+                   Vec3 size = w.f_ext[i].cwiseAbs() + body.stiffness_trace[i] * w.y[i].cwiseAbs();
+                   size *= w.h;
+                   if (inertia) size += body.mass[i] * (w.v0[i].cwiseAbs() + w.base_v[i].cwiseAbs());
+                   sum += free_part(body, i, size).squaredNorm();
+               }
+               return sum;
+           }));
+}
+
 double residual_with_drags(StepContext& ctx, BodyId id, Body& body) {
     apply_drags(ctx, id, body);
     return free_norm(ctx, body, body.work.rhs);
@@ -156,7 +172,7 @@ void drop_drags(World::Impl& world, BodyId id) {
     for_drags_of(world, id, [](Drag& drag) { drag.force = Vec3::Zero(); });
 }
 
-bool solve_system(StepContext& ctx, BodyId id, Body& body, double floor, double tolerance, bool first) {
+Solved solve_system(StepContext& ctx, BodyId id, Body& body, double floor, double tolerance, bool first) {
     const SolverDef& def = ctx.world.def.solver;
     Workspace& w = body.work;
     do {
@@ -170,6 +186,7 @@ bool solve_system(StepContext& ctx, BodyId id, Body& body, double floor, double 
         solve_def.target = std::max(tolerance * rhs_norm, rhs_norm > floor ? 0.3 * floor : floor);
         solve_def.max_iterations = def.cg_max_iterations;
         solve_def.deadline_ns = ctx.deadline_ns;
+        solve_def.only_definite = !w.project;
         const std::span<const Vec3> guesses[2] = {body.state.dv1, body.state.dv2};
         solve::LinearSolveResult result;
         if (comes_to_rest(ctx, body, rhs_norm, floor)) {
@@ -180,11 +197,32 @@ bool solve_system(StepContext& ctx, BodyId id, Body& body, double floor, double 
                                           [&](const Vec3*, Vec3* r) { true_residual(ctx, body, r); });
         }
         ctx.report.cg_iterations += result.iterations;
-        if (!std::isfinite(result.residual)) return false;
+        if (result.indefinite) return Solved::indefinite;
+        if (!std::isfinite(result.residual)) return Solved::not_finite;
         report_solve(ctx, result, std::max(rhs_norm, floor / tolerance));
         if (result.out_of_time) break;
     } while (cap_drags(ctx, id, body));
-    return true;
+    return Solved::yes;
+}
+
+bool is_stable(StepContext& ctx, Body& body) {
+    Workspace& w = body.work;
+    for (std::size_t i = 0; i < body.vertices(); ++i) {
+        Vec3 noise;
+        for (std::size_t c = 0; c < 3; ++c) noise[Eigen::Index(c)] = double((3 * i + c + 1) * 0x9e3779b97f4a7c15ULL >> 32) * 0x1p-31 - 1;
+        w.rhs[i] = w.free_rhs[i] = free_part(body, i, noise);
+        w.dv[i] = Vec3::Zero();
+    }
+    assemble(ctx, body);
+    w.jump = body.state.reaction;  // which true_residual() writes on the way
+    solve::LinearSolveDef def;
+    def.target = 1e-3 * free_norm(ctx, body, w.rhs);
+    def.max_iterations = ctx.world.def.solver.cg_max_iterations;
+    def.only_definite = true;
+    const solve::LinearSolveResult result = solve_preconditioned(ctx, body, {}, def, false, [&](const Vec3*, Vec3* r) { true_residual(ctx, body, r); });
+    body.state.reaction = w.jump;
+    ctx.report.cg_iterations += result.iterations;
+    return !result.indefinite;
 }
 
 void read_drags(World::Impl& world, BodyId id, Body& body) {

@@ -58,10 +58,6 @@ void warn_of_materials(const WorldDef& world, const Body& body) {
                                          " above 0.48 locks linear tetrahedra: they bend too little; " +
                                          (is_hyperelastic(*locking) ? "use hexahedra" : "set the material's volumetric to \"nodal\""));
     }
-    const auto turns = [](const Material& material) { return std::holds_alternative<Corotational>(material); };
-    if (!mesh.hexes.empty() && world.solver.tangent == Tangent::exact && std::any_of(materials.begin(), materials.end(), turns)) {
-        world.log(LogLevel::warning, body.name + ": corotational hexahedra have no exact tangent and take the warped one: the same equilibrium, in more Newton iterations");
-    }
 }
 
 }  // namespace
@@ -228,6 +224,17 @@ std::span<const double> World::von_mises(BodyId id) const { return stress_of(*im
 std::span<const Voigt> World::cauchy_stress(BodyId id) const { return stress_of(*impl_, id).vertex; }
 std::span<const double> World::element_von_mises(BodyId id) const { return stress_of(*impl_, id).element_von_mises; }
 std::span<const Voigt> World::element_cauchy_stress(BodyId id) const { return stress_of(*impl_, id).element; }
+
+std::vector<Voigt> World::plastic_strain(BodyId id) const {
+    const Body& body = impl_->body(id);
+    const AlignedVector<double>& plastic = body.state.plastic;
+    std::vector<Voigt> strain(plastic.empty() ? 0 : body.element_count());
+    for (std::size_t e = 0; e < strain.size(); ++e) {
+        const std::size_t slot = body.layout().slot[e], block = slot / fem::kBlock, lane = slot % fem::kBlock;
+        for (std::size_t k = 0; k < 6; ++k) strain[e][k] = plastic[(block * 6 + k) * fem::kBlock + lane];
+    }
+    return strain;
+}
 
 Energy World::energy() const {
     Energy energy;

@@ -174,6 +174,8 @@ public:
     std::span<const Voigt> cauchy_stress(BodyId body) const;      ///< per vertex [Pa]
     std::span<const double> element_von_mises(BodyId body) const; ///< per element [Pa]
     std::span<const Voigt> element_cauchy_stress(BodyId body) const;
+    /// Plastic strain per element, in its own frame, engineering shears; empty for a body that cannot flow.
+    std::vector<Voigt> plastic_strain(BodyId body) const;
     /// Tensor, von Mises and principal stresses at vertices or elements by the strain and the recovery of `def`: any element, any law.
     StressField stress(BodyId body, const StressDef& def = {}) const;
     void stress(BodyId body, const StressDef& def, StressField& out) const;  ///< the same into arrays that are kept: allocates only to grow
