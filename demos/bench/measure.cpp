@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <ctime>
 #include <fstream>
 
 #include "progress.h"
@@ -24,6 +25,12 @@ double resident_mb() {
 int threads_at_work(const World& world, int threads) {
     const std::vector<BodyId> bodies = world.bodies();
     return bodies.size() == 1 && world.shape(bodies[0]).mesh().element_count() < kMinElementsForThreads ? 1 : threads;
+}
+
+double cpu_ms() {
+    timespec t{};
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+    return 1e3 * double(t.tv_sec) + 1e-6 * double(t.tv_nsec);
 }
 
 StepReport one_step(Show& show) {
@@ -59,7 +66,7 @@ Measurement measure(const Workload& workload, const BenchOptions& o) {
         progress.show(++done);
     }
     m.resident_mb = resident_mb() - memory_before;
-    std::vector<double> first;
+    std::vector<double> first, cpu;
     for (std::size_t r = 0; r < o.repeat; ++r) {
         if (workload.scripted)
             show = workload.make();
@@ -67,7 +74,9 @@ Measurement measure(const Workload& workload, const BenchOptions& o) {
             show->world().restore(start);
         std::vector<double> step_ms;
         for (std::size_t i = 0; i < steps; ++i) {
+            const double cpu_before = cpu_ms();
             const StepReport report = one_step(*show);
+            const double cpu_step = cpu_ms() - cpu_before;
             progress.show(++done);
             if (i == 0) {
                 first.push_back(report.step_ms);
@@ -76,6 +85,7 @@ Measurement measure(const Workload& workload, const BenchOptions& o) {
             }
             m.statistics.add(show->world(), report);
             step_ms.push_back(report.step_ms);
+            cpu.push_back(cpu_step);
         }
         m.repeat_median_ms.push_back(io::median(step_ms));
         const std::uint64_t hash = show->world().hash();
@@ -83,6 +93,7 @@ Measurement measure(const Workload& workload, const BenchOptions& o) {
         m.world.state_hash = hash;
     }
     m.first_step_ms = io::median(first);
+    m.cpu_ms = io::median(cpu);
     m.world = summary_of(show->world());
     m.threads = threads_at_work(show->world(), m.world.threads);
     if (workload.tip) m.tip_m = workload.tip(*show);

@@ -14,6 +14,7 @@ struct Measurement {
     io::RunSummary world;                  ///< after the last step
     StepStatistics statistics;             ///< of all repetitions
     std::vector<double> repeat_median_ms;  ///< of the step, one per repetition: how far the machine itself varies
+    double cpu_ms = 0;                     ///< processor time of all threads, median step: what neighbours on the machine do not change
     double first_step_ms = 0;              ///< median of the first steps, which build what a snapshot does not hold
     bool repeats_agree = true;             ///< every repetition ended in the same bits
     std::optional<Vec3> tip_m;

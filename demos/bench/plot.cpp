@@ -82,7 +82,7 @@ LogAxis axis_over(double low, double high, double from, double to) {
 
 std::string short_number(double value) {
     char text[32];
-    std::snprintf(text, sizeof text, value >= 1e6 ? "%.3gM" : value >= 1e4 ? "%.3gk" : "%.3g", value >= 1e6 ? value * 1e-6 : value >= 1e4 ? value * 1e-3 : value);
+    std::snprintf(text, sizeof text, value >= 1e6 ? "%.3gM" : value >= 1e3 ? "%.3gk" : "%.3g", value >= 1e6 ? value * 1e-6 : value >= 1e3 ? value * 1e-3 : value);
     return text;
 }
 

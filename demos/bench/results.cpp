@@ -53,6 +53,7 @@ std::string measurement_json(const Measurement& m) {
         .add("steps_timed", json(s.steps()))
         .add("step_ms", times_json(s.step_ms()))
         .add("repeat_median_ms", json_array(repeats))
+        .add("cpu_ms", json(m.cpu_ms))
         .add("first_step_ms", json(m.first_step_ms))
         .add("stages_ms", stages.block(3))
         .add("cg_iterations", mean_and_max(s.iterations()))
@@ -70,11 +71,12 @@ std::string measurement_json(const Measurement& m) {
 
 std::string text_of(const Measurement& m) {
     const StepStatistics& s = m.statistics;
-    std::string text = print("\n%s: %zu elements, %zu vertices, %d thread%s, %s\n%s", m.name.c_str(), m.world.elements, m.world.vertices, m.threads,
-                             m.threads == 1 ? "" : "s", m.world.isa.c_str(), s.table().c_str());
+    std::string text = print("\n%s: %zu elements, %zu vertices, %d thread%s, %s\n", m.name.c_str(), m.world.elements, m.world.vertices, m.threads,
+                             m.threads == 1 ? "" : "s", m.world.isa.c_str()) +
+                       s.table();
     text += print("  iterations %.1f (mean) %.0f (most), true relative residual %.2g (median) %.2g (largest)\n", mean(s.iterations()),
                   io::percentile(s.iterations(), 1), io::median(s.residuals()), io::percentile(s.residuals(), 1));
-    text += print("  set-up %.1f ns per element and core; first step %.2f ms\n", m.setup_ns(), m.first_step_ms);
+    text += print("  set-up %.1f ns per element and core; processor time %.3f ms (median step, all threads); first step %.2f ms\n", m.setup_ns(), m.cpu_ms, m.first_step_ms);
     text += print("  memory %.1f MB, state %s%s\n", m.resident_mb, hash_text(m.world.state_hash).c_str(), m.repeats_agree ? "" : " - REPETITIONS DIFFER");
     if (m.tip_m) text += print("  tip (%.5f, %.5f, %.5f) m\n", m.tip_m->x(), m.tip_m->y(), m.tip_m->z());
     return text;
@@ -83,12 +85,12 @@ std::string text_of(const Measurement& m) {
 std::string summary_table(const std::vector<Measurement>& all) {
     std::size_t width = 8;
     for (const Measurement& m : all) width = std::max(width, m.name.size());
-    std::string text = print("\n%-*s %9s %9s %9s %9s %6s %9s %7s %8s\n", static_cast<int>(width), "workload", "median ms", "p99 ms", "p99.9 ms", "solve ms", "iter.",
+    std::string text = print("\n%-*s %9s %9s %9s %9s %9s %6s %9s %7s %8s\n", static_cast<int>(width), "workload", "median ms", "p99 ms", "p99.9 ms", "CPU ms", "solve ms", "iter.",
                              "residual", "set-up", "memory");
     for (const Measurement& m : all) {
         const StepStatistics& s = m.statistics;
-        text += print("%-*s %9.3f %9.3f %9.3f %9.3f %6.1f %9.2g %4.0f ns %5.0f MB%s%s\n", static_cast<int>(width), m.name.c_str(), io::median(s.step_ms()),
-                      io::percentile(s.step_ms(), 0.99), io::percentile(s.step_ms(), 0.999), io::median(s.stage_ms(std::size_t(Stage::solve))),
+        text += print("%-*s %9.3f %9.3f %9.3f %9.3f %9.3f %6.1f %9.2g %4.0f ns %5.0f MB%s%s\n", static_cast<int>(width), m.name.c_str(), io::median(s.step_ms()),
+                      io::percentile(s.step_ms(), 0.99), io::percentile(s.step_ms(), 0.999), m.cpu_ms, io::median(s.stage_ms(std::size_t(Stage::solve))),
                       mean(s.iterations()), io::percentile(s.residuals(), 1), m.setup_ns(), m.resident_mb, s.flags().empty() ? "" : "  flags",
                       m.repeats_agree ? "" : "  DIFFERS");
     }

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Compares two result files of `supple bench --json`, or of supple_kernel_bench (Google Benchmark's JSON, run with repetitions).
+"""Compares two result files of `supple bench --json`, or of supple_kernel_bench (Google Benchmark's JSON, run with repetitions; processor time).
 
 Prints the medians and their ratio new / old beside an estimate of the noise: the larger of both files' spread between repetitions. A change is marked
 only beyond twice the noise (and 2 %); what was timed once has no known noise and is never marked. Different results are marked as well.
@@ -58,7 +58,7 @@ def read_google(data):
         if run.get("run_type") == "aggregate" or run.get("error_occurred"):
             continue
         name = run.get("run_name", run["name"])
-        repetitions.setdefault(name, []).append(run["real_time"] * to_ms[run.get("time_unit", "ns")])
+        repetitions.setdefault(name, []).append(run.get("cpu_time", run["real_time"]) * to_ms[run.get("time_unit", "ns")])
     return {name: Timing(values) for name, values in repetitions.items()}
 
 

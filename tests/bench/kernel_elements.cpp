@@ -84,8 +84,7 @@ struct Bent {
 };
 
 void per_element(benchmark::State& state, std::size_t elements) {
-    state.SetItemsProcessed(std::int64_t(elements) * std::int64_t(state.iterations()));
-    state.counters["ns/element"] = benchmark::Counter(double(elements) * 1e-9, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+    state.counters["per_element"] = benchmark::Counter(double(elements), benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 
 void element_pass(benchmark::State& state, const std::shared_ptr<const BodyTemplate>& shape, const Material& material, Isa isa) {
