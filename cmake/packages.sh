@@ -7,7 +7,7 @@ g++ cmake ninja-build pkg-config
 libeigen3-dev libxsimd-dev nlohmann-json3-dev libcli11-dev zlib1g-dev libassimp-dev
 libepoxy-dev libstb-dev libegl-dev libegl1 libegl-mesa0 libgl1-mesa-dri fonts-dejavu-core
 ffmpeg
-libgtest-dev python3-meshio
+libgtest-dev
 "
 
 # Prints those of the given packages that are not installed, one a line.

@@ -77,8 +77,8 @@ Quality quality_of(const VolumeMesh& mesh) {
 
 void add_box(std::string& out, const Vec3& low, const Vec3& high) {
     const Vec3 size = high - low;
-    line(out, "  box         %.6g %.6g %.6g .. %.6g %.6g %.6g (size %.6g %.6g %.6g)", low.x(), low.y(), low.z(), high.x(), high.y(), high.z(),
-         size.x(), size.y(), size.z());
+    line(out, "  box         %.6g %.6g %.6g .. %.6g %.6g %.6g (size %.6g %.6g %.6g)", low.x(), low.y(), low.z(), high.x(), high.y(),
+         high.z(), size.x(), size.y(), size.z());
 }
 
 std::string json_strings(const std::vector<std::string>& words) {
@@ -93,7 +93,8 @@ std::string json_bool(bool value) { return value ? "true" : "false"; }
 void add_size_sentence(std::vector<std::string>& found, const Vec3& low, const Vec3& high) {
     const double size = (high - low).maxCoeff();
     if (size > 20)
-        found.push_back("it is " + to_text(std::round(size * 10) / 10) + " m long as it stands; if the file is in centimetres or millimetres, say so (units: cm, mm)");
+        found.push_back("it is " + to_text(std::round(size * 10) / 10) +
+                        " m long as it stands; if the file is in centimetres or millimetres, say so (units: cm, mm)");
 }
 
 void add_quality_sentences(std::vector<std::string>& found, const Quality& q, const VolumeMesh& mesh) {
@@ -102,12 +103,14 @@ void add_quality_sentences(std::vector<std::string>& found, const Quality& q, co
         found.push_back(std::to_string(slivers) + (slivers == 1 ? " tetrahedron is a sliver" : " tetrahedra are slivers") +
                         " (a dihedral angle below 5 degrees): it simulates, but solves take more iterations and stress there is poor");
     if (!mesh.hexes.empty() && q.least_jacobian < 0.1)
-        found.push_back("the worst hexahedron has a scaled Jacobian of " + to_text(std::round(q.least_jacobian * 1000) / 1000) + ": nearly flat, or folded");
+        found.push_back("the worst hexahedron has a scaled Jacobian of " + to_text(std::round(q.least_jacobian * 1000) / 1000) +
+                        ": nearly flat, or folded");
 }
 
 void add_boundary_sentences(std::vector<std::string>& found, const mesh::SurfaceReport& boundary) {
     if (boundary.crowded_edges > 0)
-        found.push_back(std::to_string(boundary.crowded_edges) + " edges of the boundary are shared by more than two of its triangles: parts touch along an edge only");
+        found.push_back(std::to_string(boundary.crowded_edges) +
+                        " edges of the boundary are shared by more than two of its triangles: parts touch along an edge only");
     if (boundary.pinched_vertices > 0)
         found.push_back("at " + std::to_string(boundary.pinched_vertices) + " vertices parts of the mesh touch in that point or edge only");
     if (boundary.open_edges + boundary.turned_edges > 0) found.push_back("the boundary is not closed: elements overlap");
@@ -127,24 +130,28 @@ std::string volume_text(const VolumeMesh& mesh, const std::string& file, const F
     std::string out = file + "\n";
     line(out, "  vertices    %zu\n  tets        %zu\n  hexes       %zu", mesh.vertices.size(), mesh.tets.size(), mesh.hexes.size());
     line(out, "  boundary    %zu triangles, %s", f.boundary.triangles.size(),
-         f.skin.is_closed() ? "closed" : f.skin.open_edges + f.skin.turned_edges == 0 ? "closed, not a manifold" : "not closed");
+         f.skin.is_closed()                             ? "closed"
+         : f.skin.open_edges + f.skin.turned_edges == 0 ? "closed, not a manifold"
+                                                        : "not closed");
     line(out, "  components  %zu", f.report.components);
     add_box(out, f.report.min_m, f.report.max_m);
     line(out, "  volume      %.9g", f.report.volume_m3);
     if (!mesh.tets.empty()) {
-        line(out, "  dihedral    %.2f to %.2f degrees; least of each tet, degrees: %s", f.quality.tets.min_dihedral_deg, f.quality.tets.max_dihedral_deg,
-             f.quality.dihedral.text().c_str());
+        line(out, "  dihedral    %.2f to %.2f degrees; least of each tet, degrees: %s", f.quality.tets.min_dihedral_deg,
+             f.quality.tets.max_dihedral_deg, f.quality.dihedral.text().c_str());
         line(out, "  radii       inscribed to circumscribed x 3: least %.4f, mean %.4f: %s", f.quality.tets.min_radius_ratio,
              f.quality.tets.mean_radius_ratio, f.quality.radius_ratio.text().c_str());
     }
-    if (!mesh.hexes.empty()) line(out, "  hex shape   least scaled Jacobian %.4f: %s", f.quality.least_jacobian, f.quality.jacobian.text().c_str());
+    if (!mesh.hexes.empty())
+        line(out, "  hex shape   least scaled Jacobian %.4f: %s", f.quality.least_jacobian, f.quality.jacobian.text().c_str());
     for (std::size_t i = 0; i < mesh.regions.size(); ++i) {
         const auto count = f.region_elements.find(std::int32_t(i));
         line(out, "  region      %s (tag %d): %zu elements", mesh.regions[i].name.c_str(), mesh.regions[i].tag,
              count == f.region_elements.end() ? std::size_t(0) : count->second);
     }
     for (const VertexGroup& group : mesh.groups) line(out, "  group       %s: %zu vertices", group.name.c_str(), group.vertices.size());
-    line(out, "  expect      about %.3g MB and %.3g ms a step on one thread (corotational, 60 Hz; within a factor of two)", f.cost.memory_mb, f.cost.step_ms);
+    line(out, "  expect      about %.3g MB and %.3g ms a step on one thread (corotational, 60 Hz; within a factor of two)",
+         f.cost.memory_mb, f.cost.step_ms);
     for (const std::string& sentence : f.found) line(out, "  found       %s", sentence.c_str());
     if (f.found.empty()) line(out, "  found       nothing to repair");
     return out;
@@ -161,8 +168,7 @@ std::string volume_json(const VolumeMesh& mesh, const std::string& file, const F
                               .line());
     }
     for (const VertexGroup& group : mesh.groups)
-        groups.push_back(
-            JsonObject().add("name", json(std::string_view(group.name))).add("vertices", json(group.vertices.size())).line());
+        groups.push_back(JsonObject().add("name", json(std::string_view(group.name))).add("vertices", json(group.vertices.size())).line());
     const MeshReport& r = f.report;
     JsonObject quality;
     if (!mesh.tets.empty())

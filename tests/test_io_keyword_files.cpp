@@ -11,7 +11,8 @@ namespace {
 using test::expect_error;
 using Ids = std::vector<std::int32_t>;
 
-const char* const kNode = "# nodes\n5 3 1 1\n\n 1 0 0 0 9.5 0\n2 1 0 0 9.5 3 # marked\n3 0 1 0 9.5 0\n4 0 0 1 9.5 0\n5 1 1 1 9.5 3\n# end\n";
+const char* const kNode =
+    "# nodes\n5 3 1 1\n\n 1 0 0 0 9.5 0\n2 1 0 0 9.5 3 # marked\n3 0 1 0 9.5 0\n4 0 0 1 9.5 0\n5 1 1 1 9.5 3\n# end\n";
 const char* const kEle = "2 4 1\n1 1 2 3 4 6\n# comment\n2 2 3 4 5 -2\n";
 
 const char* const kVega =
@@ -19,10 +20,14 @@ const char* const kVega =
     "*MATERIAL soft\nENU, 1000, 1E5, 0.45 # tissue\n*SET one\n1,\n*SET both\n1, 2\n*SET two\n2\n*REGION\ntwo, soft\n*REGION\none, soft\n";
 
 const char* const kAbaqus =
-    "** made by hand\n*HEADING\na title, with commas\n*NODE, NSET=Nall\n1, 0., 0., 0.\n2, 1., 0, 0\n3, 1., 1.\n4, 0, 1\n5, 0, 0, 1.D0\n6, 1, 0, 1\n"
-    "7, 1, 1, 1\n8, 0, 1, 1\n9, 2, 0, 0\n*Element, type=C3D8R, ELSET=block\n10, 1,2,3,4,5,6,\n7,8\n*ELEMENT, TYPE=C3D4, elset=\"tip\"\n20, 2, 9, 3, 6\n"
-    "*ELEMENT, TYPE=S3\n30, 1, 2, 5\n*ELEMENT, TYPE=MASS\n40, 9\n*NSET, NSET=held, GENERATE\n1, 7, 2\n*NSET, NSET=more\nheld, 8,\n*ELSET, ELSET=all\nblock, tip\n"
-    "*MATERIAL, NAME=m\n*ELASTIC\n210000., .3\n*SOLID SECTION, ELSET=tip, MATERIAL=m\n*SOLID SECTION, ELSET=block, MATERIAL=m\n*STEP\n*STATIC\n*END STEP\n";
+    "** made by hand\n*HEADING\na title, with commas\n*NODE, NSET=Nall\n1, 0., 0., 0.\n2, 1., 0, 0\n3, 1., 1.\n4, 0, 1\n5, 0, 0, 1.D0\n6, "
+    "1, 0, 1\n"
+    "7, 1, 1, 1\n8, 0, 1, 1\n9, 2, 0, 0\n*Element, type=C3D8R, ELSET=block\n10, 1,2,3,4,5,6,\n7,8\n*ELEMENT, TYPE=C3D4, elset=\"tip\"\n20, "
+    "2, 9, 3, 6\n"
+    "*ELEMENT, TYPE=S3\n30, 1, 2, 5\n*ELEMENT, TYPE=MASS\n40, 9\n*NSET, NSET=held, GENERATE\n1, 7, 2\n*NSET, NSET=more\nheld, 8,\n*ELSET, "
+    "ELSET=all\nblock, tip\n"
+    "*MATERIAL, NAME=m\n*ELASTIC\n210000., .3\n*SOLID SECTION, ELSET=tip, MATERIAL=m\n*SOLID SECTION, ELSET=block, "
+    "MATERIAL=m\n*STEP\n*STATIC\n*END STEP\n";
 
 std::string replaced(std::string text, const std::string& from, const std::string& to) {
     const std::size_t at = text.find(from);
@@ -54,14 +59,14 @@ TEST(IoTetGen, ReadsBothFilesWhicheverIsNamed) {
     EXPECT_EQ(read_mesh(folder / "m.1.node").tets, mesh.tets);
     EXPECT_EQ(read_mesh(folder / "m.1.ele").tets, mesh.tets);
     std::filesystem::remove(folder / "m.1.node");
-    expect_error(ErrorCode::file_unreadable, (folder / "m.1.ele").string(), {"m.1.node", "not there"}, [&] { read_mesh(folder / "m.1.ele"); });
+    expect_error(ErrorCode::file_unreadable, (folder / "m.1.ele").string(), {"m.1.node", "not there"},
+                 [&] { read_mesh(folder / "m.1.ele"); });
 }
 
 TEST(IoTetGen, ErrorsNameTheLineAndTheFile) {
-    const auto refuse = [](const std::string& nodes, const std::string& elements, const std::string& where, const std::vector<std::string>& words,
-                           ErrorCode code = ErrorCode::parse) {
-        expect_error(code, where, words, [&] { tetgen(nodes, elements); });
-    };
+    const auto refuse = [](const std::string& nodes, const std::string& elements, const std::string& where,
+                           const std::vector<std::string>& words,
+                           ErrorCode code = ErrorCode::parse) { expect_error(code, where, words, [&] { tetgen(nodes, elements); }); };
     refuse(replaced(kNode, "5 3 1 1", "6 3 1 1"), kEle, "m.node:10", {"a node", "truncated"});
     refuse(replaced(kNode, "5 3 1 1", "5 2 1 1"), kEle, "m.node:2", {"dimension", "2"});
     refuse(replaced(kNode, "5 3 1 1", "0 3 1 1"), kEle, "m.node:2", {".poly"}, ErrorCode::unsupported);
@@ -81,7 +86,9 @@ TEST(IoVega, ReadsSetsAndRegions) {
     ASSERT_EQ(mesh.groups.size(), 1u);
     EXPECT_EQ(mesh.groups[0].name, "both");
     EXPECT_EQ(mesh.groups[0].vertices.size(), 5u);
-    const VolumeMesh hex = vega("*VERTICES\n8 3 0 0\n0 0 0 0\n1 1 0 0\n2 1 1 0\n3 0 1 0\n4 0 0 1\n5 1 0 1\n6 1 1 1\n7 0 1 1\n*ELEMENTS\nCUBIC\n1 8 0\n0 0 1 2 3 4 5 6 7\n");
+    const VolumeMesh hex = vega(
+        "*VERTICES\n8 3 0 0\n0 0 0 0\n1 1 0 0\n2 1 1 0\n3 0 1 0\n4 0 0 1\n5 1 0 1\n6 1 1 1\n7 0 1 1\n*ELEMENTS\nCUBIC\n1 8 0\n0 0 1 2 3 4 "
+        "5 6 7\n");
     EXPECT_EQ(hex.hexes, (std::vector<Hex>{{0, 1, 2, 3, 4, 5, 6, 7}}));
     EXPECT_TRUE(hex.regions.empty());
 }

@@ -101,6 +101,26 @@ TEST(IoScene, DefaultsAreThoseOfTheDefinitions) {
               PreconditionerKind::automatic);
 }
 
+TEST(IoScene, UnitsAndTheUpAxisOfAMeshFile) {
+    const test::TemporaryFolder folder;
+    write_mesh(folder / "a.vtu", make_tet_box({.max_m = {10, 20, 30}, .cells = {1, 1, 1}}));
+    const auto scene_of = [&](const std::string& keys) {
+        return parse_scene(R"({"supple_scene": 1, "bodies": [{"mesh": "a.vtu")" + keys + "}]}", folder.path(), "s.json");
+    };
+    const auto box_of = [&](const std::string& keys) { return scene_of(keys).bodies[0].def.shape->report(); };
+    EXPECT_EQ(box_of("").max_m, Vec3(10, 20, 30));
+    EXPECT_LT((box_of(R"(, "units": "cm", "scale": 2)").max_m - Vec3(0.2, 0.4, 0.6)).norm(), 1e-15);
+    const MeshReport turned = box_of(R"(, "units": "mm", "up": "z")");
+    EXPECT_LT((turned.min_m - Vec3(0, 0, -0.02)).norm(), 1e-15);
+    EXPECT_LT((turned.max_m - Vec3(0.01, 0.03, 0)).norm(), 1e-15);
+    EXPECT_NEAR(turned.volume_m3, 6e-6, 1e-15);
+    expect_error(ErrorCode::parse, "s.json:/bodies/0/units", {"\"inch\"", "\"in\""}, [&] { scene_of(R"(, "units": "inch")"); });
+    expect_error(ErrorCode::parse, "s.json:/bodies/0/up", {"\"w\""}, [&] { scene_of(R"(, "up": "w")"); });
+    expect_error(ErrorCode::parse, "s.json:/bodies/0/units", {"box", "remove"}, [] {
+        parse_scene(R"({"supple_scene": 1, "bodies": [{"units": "cm", "box": {"min_m": [0, 0, 0], "max_m": [1, 1, 1], "cells": [1, 1, 1]}}]})", ".", "s.json");
+    });
+}
+
 TEST(IoScene, MeshPathsAreRelativeToTheSceneAndShared) {
     const test::TemporaryFolder folder;
     std::filesystem::create_directories(folder / "meshes");

@@ -67,7 +67,7 @@ TEST(IoSurfaces, RealSurfacesAreReadAndSurviveEveryFormat) {
     for (const Row& row : {Row{"libigl_bunny.off", 3485, 6966, true}, Row{"libigl_decimated-knight.off", 502, 1000, true},
                            Row{"libigl_elephant.obj", 6034, 12064, true}, Row{"sofa_dragon.obj", 1190, 2564, false},
                            Row{"sofa_liver-smooth.obj", 2194, 4384, true}, Row{"sofa_liver.vtk", 5008, 10000, true},
-                           Row{"sofa_pliers_binary.stl", 5356, 10712, true}}) {
+                           Row{"sofa_pliers_binary.stl", 5356, 10712, false}}) {
         SCOPED_TRACE(row.file);
         if (!std::filesystem::exists(folder / row.file)) continue;
         const TriangleMesh surface = read_surface(folder / row.file);
@@ -86,7 +86,8 @@ TEST(IoSurfaces, ObjTakesAllWaysToNameACorner) {
     EXPECT_EQ(mesh.vertices[1], Vec3(1, 0, 0));
     EXPECT_EQ(mesh.triangles, (Triangles{{0, 1, 2}, {0, 2, 3}, {0, 1, 2}, {0, 2, 3}}));
     const char* const kObj = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
-    const auto refuse = [&](const std::string& more, const std::string& where, const std::vector<std::string>& words, ErrorCode code = ErrorCode::parse) {
+    const auto refuse = [&](const std::string& more, const std::string& where, const std::vector<std::string>& words,
+                            ErrorCode code = ErrorCode::parse) {
         SCOPED_TRACE(more);
         expect_error(code, where, words, [&] { parse(kObj + more); });
     };
@@ -105,7 +106,8 @@ TEST(IoSurfaces, PolygonsAreCutInsideTheirOutline) {
     const TriangleMesh l = parse("OFF\n6 1 0\n2 2 0\n0 2 0\n0 0 0\n1 0 0\n1 1 0\n2 1 0\n6 0 1 2 3 4 5\n");
     double area = 0;
     for (const Triangle& t : l.triangles) {
-        const Vec3 u = l.vertices[std::size_t(t[1])] - l.vertices[std::size_t(t[0])], v = l.vertices[std::size_t(t[2])] - l.vertices[std::size_t(t[0])];
+        const Vec3 u = l.vertices[std::size_t(t[1])] - l.vertices[std::size_t(t[0])],
+                   v = l.vertices[std::size_t(t[2])] - l.vertices[std::size_t(t[0])];
         const double twice = u.x() * v.y() - u.y() * v.x();
         EXPECT_GT(twice, 0);
         area += twice / 2;
@@ -118,7 +120,8 @@ TEST(IoSurfaces, PolygonsAreCutInsideTheirOutline) {
 }
 
 TEST(IoSurfaces, OffTakesColoursAndComments) {
-    const TriangleMesh mesh = parse("COFF # colours\n# more\n4 2\n0 0 0 255 0 0 255\n1 0 0 0 0 0 0\n1 1 0 1 1 1 1\n\n0 1 0 1 1 1 1\n3 0 1 2 0.5 0.5 0.5\n3 0 2 3\n");
+    const TriangleMesh mesh = parse(
+        "COFF # colours\n# more\n4 2\n0 0 0 255 0 0 255\n1 0 0 0 0 0 0\n1 1 0 1 1 1 1\n\n0 1 0 1 1 1 1\n3 0 1 2 0.5 0.5 0.5\n3 0 2 3\n");
     EXPECT_EQ(mesh.triangles, (Triangles{{0, 1, 2}, {0, 2, 3}}));
     expect_error(ErrorCode::parse, "m:7", {"3", "[0, 2]"}, [] { parse("OFF\n3 1 0\n\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n"); });
     expect_error(ErrorCode::parse, "m:5", {"nothing is left", "truncated"}, [] { parse("OFF\n3 1 0\n0 0 0\n1 0 0\n"); });
@@ -128,10 +131,13 @@ TEST(IoSurfaces, OffTakesColoursAndComments) {
 
 TEST(IoSurfaces, StlWeldsItsCorners) {
     const std::string facet = "facet normal nan nan nan\n outer loop\n vertex 0 0 0\n vertex 1 0 0\n vertex 0 1 0\n endloop\nendfacet\n";
-    const TriangleMesh mesh = parse("SOLID a b\n" + facet + "FACET NORMAL 0 0 1\nouter loop\nvertex 1 0 0\nvertex 1 1 0\nvertex -0.0 1 0\nendloop\nendfacet\nendsolid a\n");
+    const TriangleMesh mesh =
+        parse("SOLID a b\n" + facet +
+              "FACET NORMAL 0 0 1\nouter loop\nvertex 1 0 0\nvertex 1 1 0\nvertex -0.0 1 0\nendloop\nendfacet\nendsolid a\n");
     EXPECT_EQ(mesh.vertices.size(), 4u);
     EXPECT_EQ(mesh.triangles, (Triangles{{0, 1, 2}, {1, 3, 2}}));
-    expect_error(ErrorCode::parse, "m:5", {"vertex", "vertx"}, [] { parse("solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertx 1 0 0\n"); });
+    expect_error(ErrorCode::parse, "m:5", {"vertex", "vertx"},
+                 [] { parse("solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertx 1 0 0\n"); });
     expect_error(ErrorCode::parse, "m:5", {"truncated"}, [] { parse("solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\n"); });
     // Bytes whose count does not fit their number.
     std::string bytes(80, 'x');
@@ -141,13 +147,18 @@ TEST(IoSurfaces, StlWeldsItsCorners) {
 
 TEST(IoSurfaces, PlyTakesEveryTypeAndOrder) {
     const std::string head =
-        "element vertex 4\ncomment c\nproperty uchar red\nproperty double x\nproperty float32 y\nproperty short z\nproperty list uchar int extra\n"
-        "element face 2\nproperty list uint8 ushort vertex_index\nproperty int flags\nelement other 1\nproperty list int double values\nend_header\n";
-    const TriangleMesh text = parse("ply\nformat ascii 1.0\n" + head + "1 0 0 0 0\n2 1 0 0 1 7\n3 1 1 0 0\n4 0 1 0 2 1 2\n4 0 1 2 3 9\n3 0 1 2 9\n2 0.5 0.5\n");
+        "element vertex 4\ncomment c\nproperty uchar red\nproperty double x\nproperty float32 y\nproperty short z\nproperty list uchar int "
+        "extra\n"
+        "element face 2\nproperty list uint8 ushort vertex_index\nproperty int flags\nelement other 1\nproperty list int double "
+        "values\nend_header\n";
+    const TriangleMesh text =
+        parse("ply\nformat ascii 1.0\n" + head + "1 0 0 0 0\n2 1 0 0 1 7\n3 1 1 0 0\n4 0 1 0 2 1 2\n4 0 1 2 3 9\n3 0 1 2 9\n2 0.5 0.5\n");
     EXPECT_EQ(text.triangles, (Triangles{{0, 1, 2}, {0, 2, 3}, {0, 1, 2}}));
     EXPECT_EQ(text.vertices[3], Vec3(0, 1, 0));
 
-    std::string big = "ply\nformat binary_big_endian 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement tristrips 1\nproperty list int int vertex_indices\nend_header\n";
+    std::string big =
+        "ply\nformat binary_big_endian 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement tristrips "
+        "1\nproperty list int int vertex_indices\nend_header\n";
     const auto add = [&](std::uint32_t bits) {
         for (int shift = 24; shift >= 0; shift -= 8) big += char(bits >> shift & 0xff);
     };
@@ -163,15 +174,22 @@ TEST(IoSurfaces, PlyTakesEveryTypeAndOrder) {
         SCOPED_TRACE(file);
         expect_error(ErrorCode::parse, where, words, [&] { parse(file); });
     };
-    refuse("ply\nformat ascii 1.0\nelement vertex 1152921504606846976\nproperty float x\nproperty float y\nproperty float z\nend_header\n0 0 0\n",
-           "m:8", {"1152921504606846976", "more than the file can hold"});
-    refuse("ply\nformat binary_little_endian 1.0\nelement vertex 99\nproperty float x\nproperty float y\nproperty float z\nend_header\n0123456789012",
-           "m:byte 116", {"99", "13 bytes"});
-    refuse("ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nend_header\n0 0\n", "m:7", {"no property", "\"z\""});
+    refuse(
+        "ply\nformat ascii 1.0\nelement vertex 1152921504606846976\nproperty float x\nproperty float y\nproperty float z\nend_header\n0 0 "
+        "0\n",
+        "m:8", {"1152921504606846976", "more than the file can hold"});
+    refuse(
+        "ply\nformat binary_little_endian 1.0\nelement vertex 99\nproperty float x\nproperty float y\nproperty float "
+        "z\nend_header\n0123456789012",
+        "m:byte 116", {"99", "13 bytes"});
+    refuse("ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nend_header\n0 0\n", "m:7",
+           {"no property", "\"z\""});
     refuse("ply\nformat ascii 1.0\nelement vertex 1\nproperty half x\n", "m:4", {"\"half\""});
     refuse("ply\nelement vertex 0\nend_header\n", "m:4", {"no format"});
-    refuse("ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0 1 0 0 0 1 0\n3 0 1 3\n",
-           "m:11", {"vertex 3", "3 vertices"});
+    refuse(
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\nproperty list "
+        "uchar int vertex_indices\nend_header\n0 0 0 1 0 0 0 1 0\n3 0 1 3\n",
+        "m:11", {"vertex 3", "3 vertices"});
 }
 
 TEST(IoSurfaces, VolumeFilesGiveTheirTrianglesOrTheirBoundary) {
@@ -184,14 +202,17 @@ TEST(IoSurfaces, VolumeFilesGiveTheirTrianglesOrTheirBoundary) {
     const mesh::SurfaceReport report = mesh::check_surface(boundary);
     EXPECT_TRUE(report.is_closed());
     EXPECT_NEAR(report.volume_m3, 1, 1e-12);
-    const TriangleMesh quads = parse("MeshVersionFormatted 1 Dimension 3 Vertices 4 0 0 0 0 1 0 0 0 1 1 0 0 0 1 0 0 Quadrilaterals 1 1 2 3 4 0 End");
+    const TriangleMesh quads =
+        parse("MeshVersionFormatted 1 Dimension 3 Vertices 4 0 0 0 0 1 0 0 0 1 1 0 0 0 1 0 0 Quadrilaterals 1 1 2 3 4 0 End");
     EXPECT_EQ(quads.triangles, (Triangles{{0, 1, 2}, {0, 2, 3}}));
     const TriangleMesh poly = parse(
-        "# vtk DataFile Version 5.1\nt\nASCII\nDATASET POLYDATA\nPOINTS 5 float\n0 0 0 1 0 0 1 1 0 0 1 0 0 0 1\nPOLYGONS 3 7\nOFFSETS vtktypeint64\n0 4 7\n"
+        "# vtk DataFile Version 5.1\nt\nASCII\nDATASET POLYDATA\nPOINTS 5 float\n0 0 0 1 0 0 1 1 0 0 1 0 0 0 1\nPOLYGONS 3 7\nOFFSETS "
+        "vtktypeint64\n0 4 7\n"
         "CONNECTIVITY vtktypeint64\n0 1 2 3 0 1 4\nTRIANGLE_STRIPS 1 5\n4 0 1 4 2\n");
     EXPECT_EQ(poly.triangles, (Triangles{{0, 1, 2}, {0, 2, 3}, {0, 1, 4}, {0, 1, 4}, {4, 1, 2}}));
     const TriangleMesh vtp = parse(
-        "<VTKFile type=\"PolyData\"><PolyData><Piece NumberOfPoints=\"3\" NumberOfPolys=\"1\"><Points><DataArray type=\"Float32\" NumberOfComponents=\"3\" "
+        "<VTKFile type=\"PolyData\"><PolyData><Piece NumberOfPoints=\"3\" NumberOfPolys=\"1\"><Points><DataArray type=\"Float32\" "
+        "NumberOfComponents=\"3\" "
         "format=\"ascii\">0 0 0 1 0 0 0 1 0</DataArray></Points><Polys><DataArray Name=\"connectivity\" format=\"ascii\">0 1 2</DataArray>"
         "<DataArray Name=\"offsets\" format=\"ascii\">3</DataArray></Polys></Piece></PolyData></VTKFile>");
     EXPECT_EQ(vtp.triangles, (Triangles{{0, 1, 2}}));
@@ -240,7 +261,8 @@ TEST(IoSurfaces, RefusesToWriteWhatContradictsItself) {
         if (format.write_surface)
             expect_error(ErrorCode::invalid_argument, "TriangleMesh.triangles[0]", {"vertex 1"},
                          [&] { write_surface(folder / ("s" + std::string(format.endings)), bad, format.key); });
-    expect_error(ErrorCode::unsupported, (folder / "a.vtu").string(), {"surface", "ply-ascii"}, [&] { write_surface(folder / "a.vtu", {}); });
+    expect_error(ErrorCode::unsupported, (folder / "a.vtu").string(), {"surface", "ply-ascii"},
+                 [&] { write_surface(folder / "a.vtu", {}); });
 }
 
 }  // namespace

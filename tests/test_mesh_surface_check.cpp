@@ -7,9 +7,7 @@ namespace supple::mesh {
 namespace {
 
 /// A tetrahedron's surface, outwards.
-TriangleMesh tetrahedron() {
-    return {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};
-}
+TriangleMesh tetrahedron() { return {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}}; }
 
 TEST(MeshSurfaceCheck, AClosedSurfaceHasNothingToReport) {
     const SurfaceReport report = check_surface(tetrahedron());

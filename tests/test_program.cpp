@@ -408,6 +408,56 @@ TEST_F(Program, MeshInfoAndConvert) {
     EXPECT_NE(large.out.find("volume      4\n"), std::string::npos) << large.out;
 }
 
+TEST_F(Program, MeshInfoTellsFaultsInSentencesAndAsJson) {
+    write_text("bad.mesh",
+               "MeshVersionFormatted 1 Dimension 3 Vertices 6 0 0 0 0 100 0 0 0 0 100 0 0 0 0 100 0 100 100 0 0 5 5 5 0 Tetrahedra 4 "
+               "1 2 3 4 7 2 1 3 4 7 1 2 3 5 7 3 2 5 4 7 End");
+    const Result text = supple({"mesh", "info", "bad.mesh"});
+    ASSERT_EQ(text.status, 0) << text.err;
+    for (const char* word : {"tets        2", "dihedral", "radii", "region_7 (tag 7): 2 elements", "expect ", "units: cm, mm"})
+        EXPECT_NE(text.out.find(word), std::string::npos) << word << "\n" << text.out;
+    const Result json = supple({"mesh", "info", "bad.mesh", "--units", "mm", "--json"});
+    ASSERT_EQ(json.status, 0) << json.err;
+    for (const char* word : {"\"kind\": \"volume\"", "\"inverted\": ", "\"degenerate\": 1", "\"duplicate_elements\": 1", "\"unreferenced_vertices\": 1",
+                             "\"max\": [0.1, 0.1, 0.1]", "\"closed\": true", "\"min_dihedral_histogram\": {\"edges\": [0, 5, ", "\"memory_mb\": "})
+        EXPECT_NE(json.out.find(word), std::string::npos) << word << "\n" << json.out;
+    write_text("open.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 2 3 4\nf 1 4 3\nf 1 2 4\n");
+    const Result surface = supple({"mesh", "info", "open.obj"});
+    ASSERT_EQ(surface.status, 0) << surface.err;
+    EXPECT_NE(surface.out.find("3 edges belong to one triangle alone"), std::string::npos) << surface.out;
+}
+
+TEST_F(Program, MeshConvertGoesBetweenFormats) {
+    write_bar();
+    ASSERT_EQ(supple({"mesh", "convert", "bar.msh", "bar.vtu"}).status, 0);
+    ASSERT_EQ(supple({"mesh", "convert", "bar.vtu", "again.msh", "--format", "gmsh41-binary"}).status, 0);
+    const Result again = supple({"mesh", "info", "again.msh"});
+    EXPECT_NE(again.out.find("tets        192"), std::string::npos) << again.out << again.err;
+    ASSERT_EQ(supple({"mesh", "convert", "again.msh", "skin.stl", "--units", "cm", "--up", "z"}).status, 0);
+    const Result skin = supple({"mesh", "info", "skin.stl"});
+    EXPECT_NE(skin.out.find("boundary    closed"), std::string::npos) << skin.out;
+    EXPECT_NE(skin.out.find("(size 0.004 0.001 0.001)"), std::string::npos) << skin.out;
+    expect_refused(supple({"mesh", "convert", "skin.stl", "skin.msh"}), "mesh cook");
+    expect_refused(supple({"mesh", "convert", "bar.msh", "bar.vtu", "--format", "vtu3"}), "vtu-base64");
+    expect_refused(supple({"mesh", "info", "bar.msh", "--units", "furlong"}), "furlong");
+    const Result formats = supple({"mesh", "formats"});
+    EXPECT_NE(formats.out.find("gmsh41-binary"), std::string::npos) << formats.out;
+}
+
+TEST_F(Program, RunExportsItsResults) {
+    write_scene();
+    ASSERT_EQ(supple({"run", "bar.json", "--steps", "6", "--export", "results", "--export-every", "3", "--quiet"}).status, 0);
+    EXPECT_TRUE(fs::exists(path("results/results.pvd")));
+    for (const char* file : {"results/0_bar_000000.vtu", "results/0_bar_000003.vtu", "results/0_bar_000006.vtu"}) {
+        const Result info = supple({"mesh", "info", file});
+        EXPECT_NE(info.out.find("tets        192"), std::string::npos) << info.out << info.err;
+    }
+    EXPECT_FALSE(fs::exists(path("results/0_bar_000004.vtu")));
+    ASSERT_EQ(supple({"run", "bar.json", "--steps", "6", "--export", "film.glb", "--quiet"}).status, 0);
+    EXPECT_GT(fs::file_size(path("film.glb")), 1000u);
+    expect_refused(supple({"run", "bar.json", "--steps", "1", "--export", "film.avi"}), ".avi");
+}
+
 TEST_F(Program, BenchRepeatsTheSameBits) {
     write_scene();
     const Result r = supple({"bench", "bar.json", "--steps", "5", "--repeat", "3", "--json", "b.json"});

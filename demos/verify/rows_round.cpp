@@ -139,7 +139,6 @@ void inflated_sphere(Table& table, const Settings& settings) {
     const auto coarse = solve(layers / 2), fine = solve(layers);
     const double exact = (stretch - 1) * kInner, u = growth(*coarse, kInner), v = growth(*fine, kInner);
     const std::string what = "neo-Hookean sphere under p(a), hexes, " + std::to_string(layers) + " through the wall: ";
-    if (std::getenv("VERBOSE")) std::printf("newton %d %d\n", coarse->newton_iterations(), fine->newton_iterations());
     table.relative(what + "growth of the inner radius [m]", exact, v, 0.02, std::log2((exact - u) / (exact - v)));
     table.relative(what + "growth of the outer radius [m]", (outer - 1) * kOuter, growth(*fine, kOuter), 0.02);
     table.relative(what + "von Mises inside [Pa]", mu * (stretch * stretch - std::pow(stretch, -4)), mean_von_mises(*fine, kInner), 0.02);

@@ -61,7 +61,8 @@ private:
         if (section_ == "node") {
             if (const auto name = line.parameter("nset")) set_ = std::string(*name);
             if (const auto system = line.parameter("system"); system && plain_lower(*system) != "r")
-                line.fail("nodes in cylindrical or spherical coordinates are not read; save them in rectangular ones", ErrorCode::unsupported);
+                line.fail("nodes in cylindrical or spherical coordinates are not read; save them in rectangular ones",
+                          ErrorCode::unsupported);
         } else if (section_ == "element") {
             begin_elements(line);
         } else if (section_ == "nset" || section_ == "elset") {
@@ -73,9 +74,12 @@ private:
             if (const auto name = line.parameter("elset")) regions_.push_back(std::string(*name));
         } else if (section_ == "part") {
             if (++parts_ > 1)
-                line.fail("a second *PART; only one is read: save a flat input file (Abaqus: Model > Edit Attributes > Do not use parts and assemblies in input files)",
-                          ErrorCode::unsupported);
-        } else if (section_ == "system" || section_ == "ncopy" || section_ == "ngen" || section_ == "nfill" || section_ == "elgen" || section_ == "elcopy") {
+                line.fail(
+                    "a second *PART; only one is read: save a flat input file (Abaqus: Model > Edit Attributes > Do not use parts and "
+                    "assemblies in input files)",
+                    ErrorCode::unsupported);
+        } else if (section_ == "system" || section_ == "ncopy" || section_ == "ngen" || section_ == "nfill" || section_ == "elgen" ||
+                   section_ == "elcopy") {
             line.fail("*" + section_ + " generates or moves nodes or elements, which is not read; write them out", ErrorCode::unsupported);
         }
         if (!include_after_.empty()) {
@@ -93,7 +97,8 @@ private:
         type_ = nullptr;
         // After the name letters follow that choose the formulation: C3D8RH, S4R5.
         const auto is_family = [&](std::string_view family) {
-            return starts_with(name, family) && (name.size() == family.size() || !std::isdigit(static_cast<unsigned char>(name[family.size()])));
+            return starts_with(name, family) &&
+                   (name.size() == family.size() || !std::isdigit(static_cast<unsigned char>(name[family.size()])));
         };
         if (is_family("C3D4") || is_family("DC3D4")) type_ = &kTetType;
         if (is_family("C3D8") || is_family("DC3D8")) type_ = &kHexType;
@@ -164,8 +169,9 @@ private:
             const std::int64_t step = line.fields.size() > 2 && !line.fields[2].empty() ? line.integer(2, "the step") : 1;
             if (step <= 0 || last < first || std::uint64_t(last) - std::uint64_t(first) > std::uint64_t(kMostGenerated) ||
                 (generated_ += (last - first) / step + 1) > kMostGenerated)
-                line.fail("the set goes from " + std::to_string(first) + " to " + std::to_string(last) + " by steps of " + std::to_string(step) +
-                          "; the step must be positive, and sets generate at most " + std::to_string(kMostGenerated) + " numbers");
+                line.fail("the set goes from " + std::to_string(first) + " to " + std::to_string(last) + " by steps of " +
+                          std::to_string(step) + "; the step must be positive, and sets generate at most " +
+                          std::to_string(kMostGenerated) + " numbers");
             for (std::int64_t id = first; id <= last; id += step) ids.push_back(id);
         } else {
             for (std::size_t f = 0; f < line.fields.size(); ++f) {
@@ -182,7 +188,8 @@ private:
                 if (section_ == "elset" && elements_.has_set(other)) list = &elements_.set(other);
                 if (section_ == "nset" && node_index_.contains(other)) list = &node_set(other);
                 if (!list) line.fail("the set " + quoted(word) + " is not known here");
-                if ((generated_ += std::int64_t(list->size())) > kMostGenerated) line.fail("sets of sets hold more than " + std::to_string(kMostGenerated) + " numbers");
+                if ((generated_ += std::int64_t(list->size())) > kMostGenerated)
+                    line.fail("sets of sets hold more than " + std::to_string(kMostGenerated) + " numbers");
                 ids.insert(ids.end(), list->begin(), list->end());
             }
         }
@@ -194,7 +201,8 @@ private:
     void check_instance(const KeywordLine& line) const {
         for (std::size_t f = 0; f < line.fields.size(); ++f)
             if (!line.fields[f].empty() && line.real(f, "a number of the instance's position") != 0)
-                line.fail("the instance is moved from where its part lies, which is not read; save a flat input file", ErrorCode::unsupported);
+                line.fail("the instance is moved from where its part lies, which is not read; save a flat input file",
+                          ErrorCode::unsupported);
     }
 
     KeywordReader reader_;

@@ -48,8 +48,9 @@ void ElementSets::feed(const TextScanner& scanner, const std::vector<std::string
         for (const std::int64_t id : members) {
             const auto found = std::lower_bound(by_id.begin(), by_id.end(), std::pair(id, std::size_t(0)));
             if (found == by_id.end() || found->first != id)
-                throw Error(ErrorCode::parse, scanner.name(),
-                            "the set " + io::quoted(sets_[s].first) + " holds element " + std::to_string(id) + ", which the file does not define");
+                throw Error(
+                    ErrorCode::parse, scanner.name(),
+                    "the set " + io::quoted(sets_[s].first) + " holds element " + std::to_string(id) + ", which the file does not define");
             pairs.emplace_back(found->second, std::int64_t(s) + 1);
         }
     }

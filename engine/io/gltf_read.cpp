@@ -16,7 +16,8 @@ namespace {
 
 constexpr int kDeepest = 256;
 
-void add_node(const aiScene& scene, const aiNode& node, const aiMatrix4x4& parent, SurfaceBuilder& builder, const std::string& name, int depth) {
+void add_node(const aiScene& scene, const aiNode& node, const aiMatrix4x4& parent, SurfaceBuilder& builder, const std::string& name,
+              int depth) {
     if (depth > kDeepest) throw Error(ErrorCode::unsupported, name, "the nodes of the scene are nested more than 256 deep");
     const aiMatrix4x4 transform = parent * node.mTransformation;
     for (unsigned m = 0; m < node.mNumMeshes; ++m) {
@@ -43,10 +44,11 @@ void add_node(const aiScene& scene, const aiNode& node, const aiMatrix4x4& paren
 mesh::TriangleMesh parse_gltf(const MeshSource& source) {
     Assimp::Importer importer;
     const bool binary = source.bytes.substr(0, 4) == "glTF";
-    const aiScene* scene = source.folder.empty()
-                               ? importer.ReadFileFromMemory(source.bytes.data(), source.bytes.size(), aiProcess_Triangulate, binary ? "glb" : "gltf")
-                               : importer.ReadFile(source.name, aiProcess_Triangulate);
-    if (!scene || !scene->mRootNode) throw Error(ErrorCode::parse, source.name, std::string("assimp cannot read it: ") + importer.GetErrorString());
+    const aiScene* scene = source.folder.empty() ? importer.ReadFileFromMemory(source.bytes.data(), source.bytes.size(),
+                                                                               aiProcess_Triangulate, binary ? "glb" : "gltf")
+                                                 : importer.ReadFile(source.name, aiProcess_Triangulate);
+    if (!scene || !scene->mRootNode)
+        throw Error(ErrorCode::parse, source.name, std::string("assimp cannot read it: ") + importer.GetErrorString());
     SurfaceBuilder builder;
     add_node(*scene, *scene->mRootNode, aiMatrix4x4(), builder, source.name, 0);
     return builder.finish(TextScanner({}, source.name));
@@ -54,7 +56,8 @@ mesh::TriangleMesh parse_gltf(const MeshSource& source) {
 #else
 mesh::TriangleMesh parse_gltf(const MeshSource& source) {
     throw Error(ErrorCode::unsupported, source.name,
-                "this is a glTF file, and this build of the engine was made without assimp; install libassimp-dev and build again, or save it as OBJ");
+                "this is a glTF file, and this build of the engine was made without assimp; install libassimp-dev and build again, or save "
+                "it as OBJ");
 }
 #endif
 

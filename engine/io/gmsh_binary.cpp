@@ -1,4 +1,5 @@
-// Gmsh 2 and 4.1 as bytes: the same sections with their numbers stored as int32, uint64 and float64; in version 2 the counts are still text.
+// Gmsh 2 and 4.1 as bytes: the same sections with their numbers stored as int32, uint64 and float64; in version 2 the counts are still
+// text.
 #include <cstdlib>
 #include <limits>
 
@@ -198,8 +199,9 @@ void read_gmsh4_elements_binary(TextScanner& scanner, std::endian order, MeshBui
         done += count;
     }
     if (done != total)
-        scanner.fail("the blocks hold " + std::to_string(done) + " elements, but the head of the section announces " + std::to_string(total),
-                     bytes.position());
+        scanner.fail(
+            "the blocks hold " + std::to_string(done) + " elements, but the head of the section announces " + std::to_string(total),
+            bytes.position());
 }
 
 }  // namespace supple::io

@@ -16,8 +16,7 @@ namespace supple::io {
 
 namespace {
 
-constexpr std::string_view kConvert =
-    "convert it to Gmsh 4.1 or VTU first, e.g. with meshio (meshio convert IN OUT.vtu)";
+constexpr std::string_view kConvert = "convert it to Gmsh 4.1 or VTU first, e.g. with meshio (meshio convert IN OUT.vtu)";
 
 template <mesh::TriangleMesh (*parse)(std::string_view, const std::string&)>
 mesh::TriangleMesh surface(const MeshSource& source) {

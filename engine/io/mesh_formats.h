@@ -12,13 +12,13 @@ class MeshBuilder;
 
 /// A kind of file that may be read, or that is known by name in order to be refused well.
 struct InputFormat {
-    std::string_view key;      ///< "gmsh"
-    std::string_view title;    ///< "a Gmsh file"
-    std::string_view endings;  ///< ".node .ele"
-    bool is_surface;           ///< holds no volume elements ever
-    void (*read)(const MeshSource&, MeshBuilder&);             ///< volumes and surfaces; or
-    mesh::TriangleMesh (*read_surface)(const MeshSource&);     ///< surfaces only; or
-    std::string_view advice;                                   ///< neither: what to do
+    std::string_view key;                                   ///< "gmsh"
+    std::string_view title;                                 ///< "a Gmsh file"
+    std::string_view endings;                               ///< ".node .ele"
+    bool is_surface;                                        ///< holds no volume elements ever
+    void (*read)(const MeshSource&, MeshBuilder&);          ///< volumes and surfaces; or
+    mesh::TriangleMesh (*read_surface)(const MeshSource&);  ///< surfaces only; or
+    std::string_view advice;                                ///< neither: what to do
 };
 
 /// A kind of file that can be written, the first of its ending being what the ending alone means.

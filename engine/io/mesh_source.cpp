@@ -7,7 +7,8 @@ namespace supple::io {
 
 std::string read_partner(const MeshSource& source, const std::filesystem::path& partner, const std::string& where) {
     if (source.folder.empty())
-        throw Error(ErrorCode::unsupported, where, "the file " + partner.string() + " belongs to this mesh; read it from a file, not from memory");
+        throw Error(ErrorCode::unsupported, where,
+                    "the file " + partner.string() + " belongs to this mesh; read it from a file, not from memory");
     const std::filesystem::path file = source.folder / partner;
     std::error_code ignored;
     if (!std::filesystem::is_regular_file(file, ignored))

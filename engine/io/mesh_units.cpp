@@ -19,8 +19,7 @@ struct Up {
     std::string_view name;
     int rows[3];
 };
-constexpr Up kUps[] = {{"y", {1, 2, 3}},   {"z", {1, 3, -2}},   {"x", {-2, 1, 3}},  {"-y", {1, -2, -3}},
-                       {"-z", {1, -3, 2}}, {"-x", {2, -1, 3}}};
+constexpr Up kUps[] = {{"y", {1, 2, 3}}, {"z", {1, 3, -2}}, {"x", {-2, 1, 3}}, {"-y", {1, -2, -3}}, {"-z", {1, -3, 2}}, {"-x", {2, -1, 3}}};
 
 template <class Table>
 std::string listed(const Table& table) {
@@ -34,7 +33,8 @@ std::string listed(const Table& table) {
 double MeshUnits::meters() const {
     for (const Unit& row : kUnits)
         if (unit == row.name) return scale * row.meters;
-    throw Error(ErrorCode::invalid_argument, "units", "the unit \"" + std::string(unit) + "\" is not known; choose one of " + listed(kUnits));
+    throw Error(ErrorCode::invalid_argument, "units",
+                "the unit \"" + std::string(unit) + "\" is not known; choose one of " + listed(kUnits));
 }
 
 Mat3 MeshUnits::rotation() const {

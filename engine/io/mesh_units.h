@@ -8,7 +8,7 @@ namespace supple::io {
 
 /// How the lengths and axes of a file become metres and a y axis that points up.
 struct MeshUnits {
-    double scale = 1;          ///< > 0, beside the unit
+    double scale = 1;             ///< > 0, beside the unit
     std::string_view unit = "m";  ///< "m", "dm", "cm", "mm", "um", "km", "in", "ft"
     std::string_view up = "y";    ///< the file's axis that becomes +y: "x", "y", "z", "-x", "-y", "-z"; a rotation, nothing is mirrored
 

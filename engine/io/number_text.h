@@ -9,7 +9,7 @@ namespace supple::io {
 
 /// Appends the shortest text that reads back to the same bits.
 template <class T>
-    requires std::integral<T> || std::floating_point<T>
+requires std::integral<T> || std::floating_point<T>
 void append(std::string& out, T value) {
     char text[32];
     out.append(text, std::to_chars(text, text + sizeof text, value).ptr);

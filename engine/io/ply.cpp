@@ -20,8 +20,8 @@ struct TypeName {
     std::size_t bytes;
 };
 constexpr TypeName kTypes[] = {
-    {"char", "int8", Type::int8, 1},     {"uchar", "uint8", Type::uint8, 1},     {"short", "int16", Type::int16, 2},
-    {"ushort", "uint16", Type::uint16, 2}, {"int", "int32", Type::int32, 4},     {"uint", "uint32", Type::uint32, 4},
+    {"char", "int8", Type::int8, 1},        {"uchar", "uint8", Type::uint8, 1},      {"short", "int16", Type::int16, 2},
+    {"ushort", "uint16", Type::uint16, 2},  {"int", "int32", Type::int32, 4},        {"uint", "uint32", Type::uint32, 4},
     {"float", "float32", Type::float32, 4}, {"double", "float64", Type::float64, 8},
 };
 

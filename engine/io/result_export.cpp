@@ -85,13 +85,15 @@ std::unique_ptr<ResultExport> ResultExport::open(const fs::path& target, const W
     if (ending == ".gltf" || ending == ".glb") return make_gltf_export(target);
     if (ending == ".vtu") {
         if (world.bodies().size() != 1)
-            throw Error(ErrorCode::unsupported, target.string(),
-                        "one VTU file holds one body, and the scene has " + std::to_string(world.bodies().size()) + "; give a folder or FILE.pvd");
+            throw Error(
+                ErrorCode::unsupported, target.string(),
+                "one VTU file holds one body, and the scene has " + std::to_string(world.bodies().size()) + "; give a folder or FILE.pvd");
         return make_last_vtu_export(target);
     }
     if (ending == ".obj" || ending == ".ply" || ending == ".stl" || ending == ".off") return make_surface_export(target, every_frame);
     throw Error(ErrorCode::unsupported, target.string(),
-                "results cannot be written as \"" + ending + "\"; give a folder, or a name that ends with .pvd, .vtu, .gltf, .glb, .obj, .ply, .stl or .off");
+                "results cannot be written as \"" + ending +
+                    "\"; give a folder, or a name that ends with .pvd, .vtu, .gltf, .glb, .obj, .ply, .stl or .off");
 }
 
 }  // namespace supple::io

@@ -1,5 +1,5 @@
-// Results as an animated glTF 2.0 file (Khronos, "glTF 2.0 Specification"): a mesh per body, a morph target per frame after the first, and weights
-// that go from each target to the next, linearly, at the frames' times. Everything lies in one buffer, float32 and uint32.
+// Results as an animated glTF 2.0 file (Khronos, "glTF 2.0 Specification"): a mesh per body, a morph target per frame after the first, and
+// weights that go from each target to the next, linearly, at the frames' times. Everything lies in one buffer, float32 and uint32.
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
@@ -17,7 +17,7 @@ using nlohmann::json;
 
 namespace {
 
-constexpr int kFloat = 5126, kUint32 = 5125;          // componentType
+constexpr int kFloat = 5126, kUint32 = 5125;                // componentType
 constexpr int kVertexBuffer = 34962, kIndexBuffer = 34963;  // bufferView.target
 
 using Vec3f = std::array<float, 3>;
@@ -182,7 +182,8 @@ private:
     static json material_of(std::size_t body) {
         static constexpr double kColours[][3] = {{0.72, 0.28, 0.24}, {0.30, 0.50, 0.70}, {0.80, 0.62, 0.30}, {0.40, 0.62, 0.42}};
         const auto& c = kColours[body % std::size(kColours)];
-        return {{"pbrMetallicRoughness", {{"baseColorFactor", {c[0], c[1], c[2], 1.0}}, {"metallicFactor", 0.0}, {"roughnessFactor", 0.5}}}};
+        return {
+            {"pbrMetallicRoughness", {{"baseColorFactor", {c[0], c[1], c[2], 1.0}}, {"metallicFactor", 0.0}, {"roughnessFactor", 0.5}}}};
     }
 
     static json mesh_of(Buffer& buffer, const Part& part, int material) {

@@ -9,7 +9,8 @@
 
 namespace supple::io {
 
-std::unique_ptr<ResultExport> make_vtu_export(const std::filesystem::path& folder, const std::string& stem, const std::filesystem::path& list);
+std::unique_ptr<ResultExport> make_vtu_export(const std::filesystem::path& folder, const std::string& stem,
+                                              const std::filesystem::path& list);
 std::unique_ptr<ResultExport> make_last_vtu_export(const std::filesystem::path& file);
 std::unique_ptr<ResultExport> make_surface_export(const std::filesystem::path& file, bool every_frame);
 std::unique_ptr<ResultExport> make_gltf_export(const std::filesystem::path& file);

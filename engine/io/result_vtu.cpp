@@ -74,7 +74,8 @@ std::string file_word(const std::string& name) {
 
 class VtuExport final : public ResultExport {
 public:
-    VtuExport(fs::path folder, std::string stem, fs::path list) : folder_(std::move(folder)), stem_(std::move(stem)), list_(std::move(list)) {}
+    VtuExport(fs::path folder, std::string stem, fs::path list)
+        : folder_(std::move(folder)), stem_(std::move(stem)), list_(std::move(list)) {}
 
     void add_frame(const World& world) override {
         const std::vector<BodyId> bodies = world.bodies();
@@ -84,13 +85,14 @@ public:
             write_text_file(folder_ / name, format_body(world, bodies[b]));
             entries_ += "<DataSet timestep=\"";
             append(entries_, world.time_s());
-            entries_ += "\" group=\"\" part=\"" + std::to_string(b) + "\" name=\"" + escape_xml(world.name(bodies[b])) + "\" file=\"" + name +
-                        "\"/>\n";
+            entries_ += "\" group=\"\" part=\"" + std::to_string(b) + "\" name=\"" + escape_xml(world.name(bodies[b])) + "\" file=\"" +
+                        name + "\"/>\n";
         }
     }
     void finish() override {
-        write_text_file(list_, "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n<Collection>\n" +
-                                   entries_ + "</Collection>\n</VTKFile>\n");
+        write_text_file(
+            list_, "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n<Collection>\n" +
+                       entries_ + "</Collection>\n</VTKFile>\n");
     }
 
 private:

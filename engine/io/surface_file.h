@@ -8,9 +8,10 @@
 namespace supple::io {
 
 /// Reads a surface; the format is found from the content, then from the ending. mesh_formats.h lists the formats: OBJ, STL, PLY, OFF,
-/// glTF (where built with assimp), and what Gmsh, Medit, VTK, VTU, VTP and Abaqus files hold of triangles and quadrangles. Polygons are cut into
-/// triangles. Vertices keep their order, also those that no triangle uses; the formats that repeat a vertex per triangle or per normal (STL,
-/// glTF) are welded where positions are equal. All indices of the result are in range; nothing else is checked (mesh/surface_check.h does).
+/// glTF (where built with assimp), and what Gmsh, Medit, VTK, VTU, VTP and Abaqus files hold of triangles and quadrangles. Polygons are cut
+/// into triangles. Vertices keep their order, also those that no triangle uses; the formats that repeat a vertex per triangle or per normal
+/// (STL, glTF) are welded where positions are equal. All indices of the result are in range; nothing else is checked (mesh/surface_check.h
+/// does).
 /// @error Error(parse) "file:line: ..." (binary parts: "file:byte N"), Error(unsupported), Error(file_unreadable)
 mesh::TriangleMesh read_surface(const std::filesystem::path& file);
 

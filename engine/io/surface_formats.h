@@ -20,7 +20,8 @@ std::string format_stl_binary(const mesh::TriangleMesh& mesh);  ///< coordinates
 /// Whether the size fits the triangle count at byte 80, which is the only signature that the binary form has.
 bool is_binary_stl(std::string_view bytes);
 
-/// PLY 1.0, ASCII and binary of both byte orders, faces and triangle strips, any scalar types (G. Turk, "The PLY Polygon File Format", 1994).
+/// PLY 1.0, ASCII and binary of both byte orders, faces and triangle strips, any scalar types (G. Turk, "The PLY Polygon File Format",
+/// 1994).
 mesh::TriangleMesh parse_ply(std::string_view bytes, const std::string& name);
 std::string format_ply_ascii(const mesh::TriangleMesh& mesh);
 std::string format_ply_binary(const mesh::TriangleMesh& mesh);  ///< little-endian, coordinates in float64

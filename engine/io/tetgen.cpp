@@ -16,7 +16,8 @@ constexpr std::int64_t kMostAttributes = 1 << 16;
 /// Goes to the next record, over empty lines and comments.
 void next_record(TextScanner& scanner, const char* what) {
     for (;;) {
-        if (scanner.at_end()) scanner.fail("nothing is left where " + std::string(what) + " was expected: the file is truncated, or its count is wrong");
+        if (scanner.at_end())
+            scanner.fail("nothing is left where " + std::string(what) + " was expected: the file is truncated, or its count is wrong");
         if (!scanner.line_ended() && *scanner.position() != '#') return;
         scanner.next_line();
     }
@@ -69,7 +70,8 @@ void read_elements(TextScanner& scanner, MeshBuilder& builder) {
     const std::int64_t count = scanner.integer("the number of tetrahedra", 0, kBig);
     const std::int64_t corners = scanner.integer("the number of nodes of a tetrahedron");
     if (corners != 4)
-        scanner.fail("tetrahedra of " + std::to_string(corners) + " nodes are not read; run TetGen without -o2", head, ErrorCode::unsupported);
+        scanner.fail("tetrahedra of " + std::to_string(corners) + " nodes are not read; run TetGen without -o2", head,
+                     ErrorCode::unsupported);
     const std::int64_t attributes = scanner.line_ended() ? 0 : scanner.integer("the number of attributes", 0, kMostAttributes);
     end_record(scanner, "the head of the tetrahedra");
     for (std::int64_t i = 0; i < count; ++i) {
@@ -113,8 +115,9 @@ void read_tetgen(const MeshSource& source, MeshBuilder& builder) {
 void write_tetgen(const std::filesystem::path& file, const VolumeMesh& mesh) {
     require_writable_mesh(mesh, "write_mesh");
     if (!mesh.hexes.empty())
-        throw Error(ErrorCode::unsupported, file.string(),
-                    "TetGen files hold tetrahedra only, and the mesh has " + std::to_string(mesh.hexes.size()) + " hexahedra; write Gmsh or VTU");
+        throw Error(
+            ErrorCode::unsupported, file.string(),
+            "TetGen files hold tetrahedra only, and the mesh has " + std::to_string(mesh.hexes.size()) + " hexahedra; write Gmsh or VTU");
     std::string nodes = std::to_string(mesh.vertices.size()) + " 3 0 0\n";
     for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
         append(nodes, v + 1);

@@ -29,8 +29,10 @@ public:
             }
         }
         if (vertices_ < 0) reader_.file().fail("the file has no *VERTICES");
-        if (vertices_ > 0) reader_.file().fail(std::to_string(vertices_) + " vertices are missing: the file is truncated, or the count is wrong");
-        if (elements_ > 0) reader_.file().fail(std::to_string(elements_) + " elements are missing: the file is truncated, or the count is wrong");
+        if (vertices_ > 0)
+            reader_.file().fail(std::to_string(vertices_) + " vertices are missing: the file is truncated, or the count is wrong");
+        if (elements_ > 0)
+            reader_.file().fail(std::to_string(elements_) + " elements are missing: the file is truncated, or the count is wrong");
         builder.close_vertices(reader_.file());
         sets_.feed(reader_.file(), regions_, builder);
     }

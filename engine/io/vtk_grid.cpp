@@ -30,7 +30,8 @@ enum VtkCell : std::int64_t {
 int dimension_of(std::int64_t type) {
     if (type == vertex || type == poly_vertex) return 0;
     if (type == line || type == poly_line || type == 21 || type == 35) return 1;  // and quadratic, cubic edges
-    const bool flat = (type >= triangle && type <= quad) || type == 22 || type == 23 || type == 28 || type == 30 || type == 34 || type == 36;
+    const bool flat =
+        (type >= triangle && type <= quad) || type == 22 || type == 23 || type == 28 || type == 30 || type == 34 || type == 36;
     return flat ? 2 : 3;
 }
 
@@ -85,9 +86,9 @@ void VtkGrid::add_cells(const TextScanner& scanner, const Numbers& offsets, cons
         for (std::int64_t i = begin; i < end; ++i) {
             const std::int64_t id = connectivity.values[std::size_t(i)];
             if (id < 0 || id >= piece_points) {
-                scanner.fail("point " + std::to_string(id) + " does not exist; there are " + std::to_string(piece_points) +
-                                 ", numbered from 0",
-                             connectivity.position(std::size_t(i)));
+                scanner.fail(
+                    "point " + std::to_string(id) + " does not exist; there are " + std::to_string(piece_points) + ", numbered from 0",
+                    connectivity.position(std::size_t(i)));
             }
             ids_.push_back(first_point + id);
         }

@@ -31,8 +31,8 @@ public:
     }
     /// Cells i with points connectivity[offsets[i]] .. connectivity[offsets[i + 1]), moved by `first_point`.
     /// @error Error(parse) for offsets that do not fit, or a point beyond `piece_points`
-    void add_cells(const TextScanner& scanner, const Numbers& offsets, const Numbers& connectivity,
-                   const std::vector<std::int64_t>& types, std::int64_t first_point, std::int64_t piece_points);
+    void add_cells(const TextScanner& scanner, const Numbers& offsets, const Numbers& connectivity, const std::vector<std::int64_t>& types,
+                   std::int64_t first_point, std::int64_t piece_points);
 
     /// A cell array may hold regions: see volume_formats.h for its names.
     static bool names_regions(std::string_view array);

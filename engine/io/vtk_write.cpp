@@ -57,7 +57,8 @@ void add_cells(std::string& text, Values& values, const VolumeMesh& mesh) {
 std::string format(const VolumeMesh& mesh, bool binary) {
     require_writable_mesh(mesh, "write_mesh");
     const std::vector<int> tags = region_tags(mesh);
-    std::string text = std::string("# vtk DataFile Version 3.0\nvolume mesh\n") + (binary ? "BINARY" : "ASCII") + "\nDATASET UNSTRUCTURED_GRID\n";
+    std::string text =
+        std::string("# vtk DataFile Version 3.0\nvolume mesh\n") + (binary ? "BINARY" : "ASCII") + "\nDATASET UNSTRUCTURED_GRID\n";
     Values values(text, binary);
     if (!tags.empty()) {
         text += "FIELD FieldData " + std::to_string(tags.size()) + "\n";
@@ -75,7 +76,8 @@ std::string format(const VolumeMesh& mesh, bool binary) {
     values.end_section();
     add_cells(text, values, mesh);
     if (!tags.empty()) {
-        text += "CELL_DATA " + std::to_string(mesh.element_count()) + "\nSCALARS " + std::string(kRegionArray) + " int 1\nLOOKUP_TABLE default\n";
+        text += "CELL_DATA " + std::to_string(mesh.element_count()) + "\nSCALARS " + std::string(kRegionArray) +
+                " int 1\nLOOKUP_TABLE default\n";
         for (const int tag : element_tags(mesh)) {
             values.add(std::int32_t(tag));
             values.end_record();

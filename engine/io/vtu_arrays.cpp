@@ -98,7 +98,8 @@ private:
         std::uint64_t offset = 0;
         const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), offset);
         if (error != std::errc() || rest != text.data() + text.size()) fail("has the offset " + quoted(text) + ", which is no number");
-        if (offset > std::uint64_t(storage_.end - storage_.appended)) fail("begins behind the end of the appended data: the file is truncated");
+        if (offset > std::uint64_t(storage_.end - storage_.appended))
+            fail("begins behind the end of the appended data: the file is truncated");
         return {storage_.appended + offset, storage_.end, storage_.appended_base64};
     }
 
@@ -131,7 +132,8 @@ private:
             block.clear();
             if (!bytes.read(packed[b], block)) fail("ends inside a compressed block: the file is truncated");
             // zlib packs 1032 to 1 at most: a larger promise is a lie, and no memory is given for it.
-            if (expected > 1032 * packed[b] + 1024) fail("announces a block of " + std::to_string(expected) + " bytes out of " + std::to_string(packed[b]));
+            if (expected > 1032 * packed[b] + 1024)
+                fail("announces a block of " + std::to_string(expected) + " bytes out of " + std::to_string(packed[b]));
             const std::size_t begin = out.size();
             out.resize(begin + std::size_t(expected));
             uLongf written = uLongf(expected);
@@ -157,7 +159,8 @@ bool is_ascii(const TextScanner& file, const XmlTag& array) {
     const std::string_view format = array.attribute("format");
     if (format == "ascii" || format.empty()) return true;
     if (format == "binary" || format == "appended") return false;
-    file.fail("the format of a data array must be ascii, binary or appended, found " + quoted(format), array.position, ErrorCode::unsupported);
+    file.fail("the format of a data array must be ascii, binary or appended, found " + quoted(format), array.position,
+              ErrorCode::unsupported);
 }
 
 /// Calls visit(value) for each number, in the array's own type.

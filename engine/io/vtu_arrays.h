@@ -22,8 +22,8 @@ struct VtuStorage {
 /// Reads the attributes of <VTKFile>. @error Error(unsupported) for compressors other than zlib
 VtuStorage read_vtu_storage(const TextScanner& file, std::string_view text, const XmlTag& head);
 
-/// The values of a <DataArray>, from text, base64 or bytes (VTK's documentation, "VTK XML Formats"): a size in front, or for zlib the sizes of
-/// blocks. @error Error(parse) at the tag's line where sizes and data do not fit, Error(unsupported) for an unknown type or format
+/// The values of a <DataArray>, from text, base64 or bytes (VTK's documentation, "VTK XML Formats"): a size in front, or for zlib the sizes
+/// of blocks. @error Error(parse) at the tag's line where sizes and data do not fit, Error(unsupported) for an unknown type or format
 Numbers read_vtu_integers(const TextScanner& file, const VtuStorage& storage, const XmlTag& array);
 std::vector<double> read_vtu_reals(const TextScanner& file, const VtuStorage& storage, const XmlTag& array,
                                    std::vector<const char*>& positions);

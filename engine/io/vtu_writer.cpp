@@ -115,7 +115,8 @@ std::string VtuWriter::finish(std::span<const Vec3> points, std::span<const Tet>
     add(cell_part, "Int64", "offsets", 1, std::span<const std::int64_t>(offsets));
     add(cell_part, "UInt8", "types", 1, std::span<const std::uint8_t>(types));
 
-    std::string xml = "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\"";
+    std::string xml =
+        "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\"";
     if (is_zlib(encoding_)) xml += " compressor=\"vtkZLibDataCompressor\"";
     xml += ">\n<UnstructuredGrid>\n";
     if (!fields_.empty()) xml += "<FieldData>\n" + fields_ + "</FieldData>\n";

@@ -52,8 +52,7 @@ void XmlTagReader::read_inside(std::string_view inside, XmlTag& tag) const {
     inside.remove_prefix(length);
     for (skip_space(); !inside.empty(); skip_space()) {
         const std::size_t equals = inside.find('=');
-        if (equals == std::string_view::npos)
-            scanner_.fail("an attribute of <" + std::string(tag.name) + "> has no value", tag.position);
+        if (equals == std::string_view::npos) scanner_.fail("an attribute of <" + std::string(tag.name) + "> has no value", tag.position);
         std::string_view key = inside.substr(0, equals);
         while (!key.empty() && is_space(key.back())) key.remove_suffix(1);
         inside.remove_prefix(equals + 1);

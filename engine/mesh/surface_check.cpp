@@ -15,9 +15,7 @@ namespace {
 struct Edge {
     std::int32_t low, high, triangle;
     bool forward;  ///< the triangle runs from low to high
-    bool operator<(const Edge& o) const {
-        return std::tie(low, high, triangle) < std::tie(o.low, o.high, o.triangle);
-    }
+    bool operator<(const Edge& o) const { return std::tie(low, high, triangle) < std::tie(o.low, o.high, o.triangle); }
 };
 
 void require_sound(const TriangleMesh& mesh) {
@@ -87,7 +85,8 @@ void count_edges(const TriangleMesh& mesh, SurfaceReport& report) {
         while (next < edges.size() && edges[next].low == edges[i].low && edges[next].high == edges[i].high) ++next;
         for (std::size_t k = i + 1; k < next; ++k) {
             parts.unite(edges[i].triangle, edges[k].triangle);
-            for (const std::int32_t v : {edges[i].low, edges[i].high}) corners.unite(corner(edges[i].triangle, v), corner(edges[k].triangle, v));
+            for (const std::int32_t v : {edges[i].low, edges[i].high})
+                corners.unite(corner(edges[i].triangle, v), corner(edges[k].triangle, v));
         }
         if (next - i == 1) ++report.open_edges;
         if (next - i > 2) ++report.crowded_edges;
@@ -115,21 +114,20 @@ SurfaceReport check_surface(const TriangleMesh& mesh) {
 std::vector<std::string> SurfaceReport::sentences() const {
     std::vector<std::string> out;
     if (degenerate_triangles) out.push_back(counted(degenerate_triangles, "triangle has", "triangles have") + " no area");
-    if (duplicate_triangles)
-        out.push_back(counted(duplicate_triangles, "triangle repeats", "triangles repeat") + " an earlier one");
+    if (duplicate_triangles) out.push_back(counted(duplicate_triangles, "triangle repeats", "triangles repeat") + " an earlier one");
     if (open_edges)
         out.push_back("it is open: " + counted(open_edges, "edge belongs", "edges belong") + " to one triangle alone, the rim of a hole");
     if (crowded_edges)
-        out.push_back(counted(crowded_edges, "edge is", "edges are") + " shared by more than two triangles: the surface is no manifold there");
+        out.push_back(counted(crowded_edges, "edge is", "edges are") +
+                      " shared by more than two triangles: the surface is no manifold there");
     if (turned_edges)
         out.push_back(counted(turned_edges, "edge lies", "edges lie") + " between triangles that disagree about which side is outside");
-    if (pinched_vertices)
-        out.push_back("at " + counted(pinched_vertices, "vertex", "vertices") + " separate fans of triangles touch");
+    if (pinched_vertices) out.push_back("at " + counted(pinched_vertices, "vertex", "vertices") + " separate fans of triangles touch");
     if (is_closed() && volume_m3 < 0) out.push_back("its triangles face inwards: turn them round");
-    if (unreferenced_vertices)
-        out.push_back(counted(unreferenced_vertices, "vertex belongs", "vertices belong") + " to no triangle");
+    if (unreferenced_vertices) out.push_back(counted(unreferenced_vertices, "vertex belongs", "vertices belong") + " to no triangle");
     if (duplicate_vertices)
-        out.push_back(counted(duplicate_vertices, "vertex lies", "vertices lie") + " at the very position of another: seams may look like holes");
+        out.push_back(counted(duplicate_vertices, "vertex lies", "vertices lie") +
+                      " at the very position of another: seams may look like holes");
     return out;
 }
 

@@ -75,7 +75,6 @@ struct NewtonPlan {
     int iterations = 1;
     double tolerance = 0;
     bool is_static = false;
-    bool exact = true;  ///< the tangent as it is may be tried
 };
 
 NewtonPlan plan_of(const SolverDef& def) {
@@ -131,7 +130,7 @@ Outcome iterate(StepContext& ctx, Watch& watch, BodyId id, Body& body, const New
         }
         const double tolerance = to_tolerance ? std::clamp(eta, def.cg_relative_tolerance, 0.1) : def.cg_relative_tolerance;
         // Rayleigh's damping has the stiffness in its force: there the tangent must stay of one kind.
-        const bool exact = to_tolerance && plan.exact && (plan.is_static || (k > 0 && def.rayleigh_stiffness_s == 0)) && wait-- <= 0;
+        const bool exact = to_tolerance && (plan.is_static || (k > 0 && def.rayleigh_stiffness_s == 0)) && wait-- <= 0;
         Solved solved = solve_linearised(ctx, watch, id, body, !exact, floor, tolerance, k == 0);
         if (solved == Solved::indefinite) {
             wait = next_wait;
@@ -169,7 +168,7 @@ void move_supports(Body& body, double part) {
 
 /// Takes the free vertices along where supports move, as the tangent at v0 has it: were they to stay behind, the elements at a support that moves far would be turned inside
 /// out before the first iteration. `part` as in move_supports().
-bool follow_supports(StepContext& ctx, Watch& watch, BodyId id, Body& body, bool exact, double part, double floor) {
+bool follow_supports(StepContext& ctx, Watch& watch, BodyId id, Body& body, double part, double floor) {
     Workspace& w = body.work;
     w.v_start = w.v0;
     w.jump.resize(body.vertices());
@@ -193,29 +192,16 @@ bool follow_supports(StepContext& ctx, Watch& watch, BodyId id, Body& body, bool
         watch.lap(ctx, Stage::solve);
         return solved;
     };
-    Solved solved = linearised(!exact);
+    Solved solved = linearised(false);
     if (solved == Solved::indefinite) solved = linearised(true);
     if (solved != Solved::yes) return false;
     for (std::size_t i = 0; i < body.vertices(); ++i) w.v0[i] += w.jump[i] + w.dv[i];
     return true;
 }
 
-/// Whether a static equilibrium may be a saddle. A factor would have shown it on the way; conjugate gradients may not.
-bool is_doubtful(StepContext& ctx, Watch& watch, Body& body, const NewtonPlan& plan) {
-    const bool looked = plan.exact && ctx.report.newton_iterations > 0 && ctx.world.def.solver.preconditioner != PreconditionerKind::direct;
-    if (!looked || ctx.deadline_ns != 0) return false;
-    if (body.work.project) {
-        body.work.project = false;
-        evaluate_elements(ctx, body, false);
-    }
-    const bool stable = is_stable(ctx, body);
-    watch.lap(ctx, Stage::solve);
-    return !stable;
-}
-
 /// Equilibrium by load steps: what the start lacks to balance is let in part by part, with the motion of the supports. The whole at once is tried
 /// first; a part that Newton does not manage is halved.
-bool find_equilibrium(StepContext& ctx, Watch& watch, BodyId id, Body& body, NewtonPlan plan, double floor) {
+bool find_equilibrium(StepContext& ctx, Watch& watch, BodyId id, Body& body, const NewtonPlan& plan, double floor) {
     Workspace& w = body.work;
     w.target_v = w.v0;
     w.withheld = 0;
@@ -229,13 +215,7 @@ bool find_equilibrium(StepContext& ctx, Watch& watch, BodyId id, Body& body, New
         const double next = std::max(0.0, left - part);
         w.withheld = next;
         Outcome outcome = Outcome::not_finite;
-        if (follow_supports(ctx, watch, id, body, plan.exact, 1 - next, floor)) outcome = iterate(ctx, watch, id, body, plan, floor);
-        if (outcome == Outcome::converged && is_doubtful(ctx, watch, body, plan)) {
-            plan.exact = false;  // downhill all the way: the part once more
-            w.v0 = w.v_good;
-            ctx.report.flags = flags;
-            continue;
-        }
+        if (follow_supports(ctx, watch, id, body, 1 - next, floor)) outcome = iterate(ctx, watch, id, body, plan, floor);
         if (outcome == Outcome::converged) {
             left = next;
             part = std::min(2 * part, left);

@@ -150,7 +150,7 @@ double rounding_residual(StepContext& ctx, Body& body) {
     return kEpsilon * std::sqrt(solve::sum_over_rows(ctx.team, body.vertices(), w.partial, [&](std::size_t begin, std::size_t end) {
                double sum = 0;
                for (std::size_t i = begin; i < end; ++i) {
-                   Vec3 size = w.f_ext[i].cwiseAbs() + body.stiffness_trace[i] * w.y[i].cwiseAbs();
+                   Vec3 size = w.f_ext[i].cwiseAbs() + body.stiffness_trace[i] * w.base_x[i].cwiseAbs();
                    size *= w.h;
                    if (inertia) size += body.mass[i] * (w.v0[i].cwiseAbs() + w.base_v[i].cwiseAbs());
                    sum += free_part(body, i, size).squaredNorm();
@@ -203,26 +203,6 @@ Solved solve_system(StepContext& ctx, BodyId id, Body& body, double floor, doubl
         if (result.out_of_time) break;
     } while (cap_drags(ctx, id, body));
     return Solved::yes;
-}
-
-bool is_stable(StepContext& ctx, Body& body) {
-    Workspace& w = body.work;
-    for (std::size_t i = 0; i < body.vertices(); ++i) {
-        Vec3 noise;
-        for (std::size_t c = 0; c < 3; ++c) noise[Eigen::Index(c)] = double((3 * i + c + 1) * 0x9e3779b97f4a7c15ULL >> 32) * 0x1p-31 - 1;
-        w.rhs[i] = w.free_rhs[i] = free_part(body, i, noise);
-        w.dv[i] = Vec3::Zero();
-    }
-    assemble(ctx, body);
-    w.jump = body.state.reaction;  // which true_residual() writes on the way
-    solve::LinearSolveDef def;
-    def.target = 1e-3 * free_norm(ctx, body, w.rhs);
-    def.max_iterations = ctx.world.def.solver.cg_max_iterations;
-    def.only_definite = true;
-    const solve::LinearSolveResult result = solve_preconditioned(ctx, body, {}, def, false, [&](const Vec3*, Vec3* r) { true_residual(ctx, body, r); });
-    body.state.reaction = w.jump;
-    ctx.report.cg_iterations += result.iterations;
-    return !result.indefinite;
 }
 
 void read_drags(World::Impl& world, BodyId id, Body& body) {

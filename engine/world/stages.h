@@ -41,9 +41,6 @@ enum class Solved { yes, not_finite, indefinite };
 /// Drag springs and dv, to `tolerance` of the right-hand side. A tangent that was not projected (work.project) may turn out to be indefinite.
 /// @param first  of the step: with warm starts, and remembered by the choice of preconditioner
 Solved solve_system(StepContext& ctx, BodyId id, Body& body, double floor, double tolerance, bool first);
-/// Whether conjugate gradients find nothing indefinite in the tangent of the last evaluation: they may have passed by a mode that the loads hardly excite. One solve, for a
-/// right-hand side that excites every mode.
-bool is_stable(StepContext& ctx, Body& body);
 /// The new state, if it is finite; if not, false and nothing has changed.
 bool integrate(StepContext& ctx, BodyId id, Body& body);
 /// The body stays where the step found it, takes no further part, and is reported.
