@@ -177,7 +177,8 @@ bool remembered(const Meeting& m, const Triangle& triangle, const Vec3& weight) 
     for (std::size_t k = 0; k < 3; ++k) {
         if (weight[Eigen::Index(k)] >= kCorner) vertex[count++] = triangle[k];
     }
-    std::sort(vertex.begin(), vertex.begin() + std::ptrdiff_t(count));
+    for (std::size_t i = 1; i < count; ++i)
+        for (std::size_t k = i; k > 0 && vertex[k] < vertex[k - 1]; --k) std::swap(vertex[k], vertex[k - 1]);
     const std::vector<ContactMemory>& memory = m.body.state.contacts;
     const auto key = std::tie(m.slot, vertex);
     const auto at = std::lower_bound(memory.begin(), memory.end(), key, [](const ContactMemory& a, const auto& b) { return std::tie(a.collider, a.vertex) < b; });
