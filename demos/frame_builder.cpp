@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "framing.h"
 #include "supple/io/report.h"
@@ -67,7 +68,11 @@ double StressRange::update(std::vector<double> stresses_pa, double elapsed_s) {
 }
 
 FrameBuilder::FrameBuilder(Show& show, FrameOptions options)
-    : show_(&show), options_(std::move(options)), ground_m_(ground_below(show.world())) {}
+    : show_(&show), options_(std::move(options)), ground_m_(ground_below(show.world())) {
+    const SceneBounds bounds = bounds_of(show.world());
+    size_m_ = (bounds.max_m - bounds.min_m).norm();
+    centre_ = 0.5 * (bounds.min_m + bounds.max_m);
+}
 
 std::span<const double> FrameBuilder::on_surface(std::size_t b, const Skin* skin, std::span<const double> per_vertex) {
     if (skin == nullptr) return per_vertex;
@@ -130,7 +135,7 @@ void FrameBuilder::add_stress(std::size_t b, const Skin* skin, SurfaceView& surf
     surface.color = {0.80f, 0.82f, 0.85f};  // glass: the colours of the points stay what they are
 }
 
-const FrameView& FrameBuilder::build(double alpha, const std::string& hud, double elapsed_s) {
+FrameView& FrameBuilder::build(double alpha, const std::string& hud, double elapsed_s) {
     const World& world = show_->world();
     const std::vector<BodyId> bodies = world.bodies();
     view_ = FrameView{};
@@ -165,8 +170,17 @@ const FrameView& FrameBuilder::build(double alpha, const std::string& hud, doubl
         view_.scale->title = "Young's modulus";
     }
     view_.ground_height_m = ground_m_;
+    colliders_.add(world, alpha, up_direction(world), size_m_, centre_, view_);
+    if (options_.contacts) {
+        double weight_n = 0;
+        for (const BodyId body : bodies)
+            for (const double m : world.masses(body)) weight_n += m * world.def().gravity_m_s2.norm();
+        add_contact_arrows(world, 4 * size_m_ / std::max(weight_n, 1e-3), view_);  // a tenth of the weight is as long as 0.4 of the scene
+    }
     view_.hud = hud;
+    const std::optional<ColorScale> automatic = view_.scale;
     show_->decorate(view_);
+    if (view_.scale && automatic && options_.automatic_range) view_.scale = automatic;
     if (view_.scale) view_.scale->map = options_.map;
     if (view_.scale && options_.range_pa) {
         view_.scale->low = (*options_.range_pa)[0];

@@ -30,6 +30,7 @@ struct SceneBody {
 struct Scene {
     WorldDef world;
     std::vector<SceneBody> bodies;
+    std::vector<ColliderDef> colliders;
     std::optional<SceneCamera> camera;
 };
 
@@ -38,8 +39,12 @@ struct Scene {
 ///
 ///   supple_scene: 1 (required)   time_step_s   gravity_m_s2   threads
 ///   solver   {integrator, newton_iterations, newton_tolerance, cg_relative_tolerance, cg_max_iterations, preconditioner, precision,
-///             linearise_at, tangent, operator, rayleigh_mass_1_s, rayleigh_stiffness_s}
+///             linearise_at, tangent, operator, contact_iterations, step_budget_us, rayleigh_mass_1_s, rayleigh_stiffness_s}
 ///   camera   {eye_m, target_m, fov_deg}
+///   colliders [{one of plane {normal, offset_m}, sphere {radius_m, centre_m}, capsule {radius_m, half_length_m}, cylinder {radius_m, half_length_m},
+///             box {half_extents_m or min_m, max_m}, mesh {file, scale, cells}; name, position_m, rotation_wxyz, friction; fixed, or
+///             motion {times_s, positions_m, rotations_wxyz}: follows them; mass_kg, velocity_m_s, spin_rad_s: moved by what it touches and by gravity;
+///             mass_kg and tool {stiffness_n_m, damping_n_s_m, max_force_n, torsion_nm_rad, max_torque_nm}: drawn along `motion`}]
 ///   bodies   [{name, mesh: "file" or box: {min_m, max_m, cells: [nx, ny, nz], elements: "tets"}, scale, units, up, refine, skin: "surface file", translation_m, velocity_m_s,
 ///   density_kg_m3,
 ///             material {law, rotation, young_pa, poisson}, or of a hyperelastic law {law, its parameters, fibre, sheet, fibre_stiffness_pa,
@@ -71,7 +76,7 @@ struct Scene {
 /// first and after the last. With two times [t0, t1] and a single value it ramps from zero (for `affine`: from the identity) at t0 to the
 /// value at t1. affine: three rows of four numbers [A | t]; position = A X + t of the rest position X.
 ///
-/// Keys and words of the scene format that this build does not do (other laws, integrators, colliders, hexahedra, ...) are
+/// Keys and words of the scene format that this build does not do (other laws, integrators, ...) are
 /// refused with Error(unsupported), never ignored.
 /// @error Error(parse) "file:line" for syntax, "file:/json/pointer" for meaning; an unknown key names the nearest known one
 /// @param refine  times that every mesh is refined (1 -> 8), besides the "refine" of its body

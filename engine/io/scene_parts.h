@@ -27,6 +27,7 @@ void require_keys(const JsonNode& node, std::vector<std::string_view> known, std
 SolverDef read_solver(const JsonNode& node);
 SceneCamera read_camera(const JsonNode& node);
 SceneBody read_body(const JsonNode& node, SceneContext& context);
+ColliderDef read_collider(const JsonNode& node, SceneContext& context);
 
 /// A box given by corners: min_m below max_m in every coordinate (or equal, where `may_be_flat`).
 InsideBox read_box(const JsonNode& node, bool may_be_flat);

@@ -118,7 +118,7 @@ void couple_elements(Body& body) {
 void size_workspace(Workspace& w, const fem::ElementLayout& layout) {
     const std::size_t n = layout.vertices;
     w.force_parts.resize(layout.places * 4);
-    for (auto* field : {&w.base_x, &w.base_v, &w.y, &w.v0, &w.v_start, &w.f_ext, &w.f_dead, &w.b, &w.rhs, &w.free_rhs, &w.dv, &w.residual, &w.product}) {
+    for (auto* field : {&w.base_x, &w.base_v, &w.y, &w.v0, &w.v_start, &w.f_ext, &w.f_dead, &w.b, &w.rhs, &w.free_rhs, &w.dv, &w.residual, &w.product, &w.bare}) {
         field->assign(n, Vec3::Zero());
     }
     w.diagonal.resize(n);
@@ -154,6 +154,15 @@ void apply_materials(Body& body, const BodyDef& def, const WorldDef& world, Isa 
     if (!at_work) return;
     body.work.force_parts.resize(to.places * 4);
     couple_elements(body);
+    drop_preconditioner(body);
+}
+
+void change_preconditioner(Body& body, PreconditionerKind kind, Isa isa) {
+    with_system(body, [&](auto& system) {
+        using Real = typename std::remove_reference_t<decltype(system)>::Scalar;
+        system.preconditioner = make_preconditioner<Real>(body.data(), isa, kind);
+    });
+    for (BodyState* state : {&body.state, &body.start}) state->solver.assign(kMemoryCount, 0);
     drop_preconditioner(body);
 }
 
