@@ -97,6 +97,7 @@ void add_bench_command(CLI::App& app, int& status) {
     add_isa_option(*command, o->show);
     command->add_option("--steps", o->steps, "steps from the start, the first of them untimed [100]")->check(CLI::Range(2, 1000000));
     command->add_option("--repeat", o->repeat, "how often the same steps are timed [3]")->check(CLI::Range(1, 10000));
+    command->add_option("--refine", o->show.refine, "cut every element of the given meshes and scene files into eight, so many times [0]")->check(CLI::Range(0, 10));
     command->add_option("--tolerance", o->tolerance, "of the solves, on the true residual; not of scenes and demos [1e-3 and 1e-5]")->check(CLI::Range(1e-12, 0.5));
     command->add_option("--preconditioner", o->preconditioner, "not of scenes and demos [auto]")
         ->transform(CLI::CheckedTransformer(std::map<std::string, PreconditionerKind>{{"auto", PreconditionerKind::automatic},

@@ -2,6 +2,7 @@
 #include <memory>
 
 #include "command.h"
+#include "command_mesh_parts.h"
 #include "mesh_info.h"
 #include "output_files.h"
 #include "supple/base/error.h"
@@ -128,6 +129,9 @@ void add_units(CLI::App& command, MeshOptions& o) {
 void add_mesh_command(CLI::App& app, int& status) {
     CLI::App* mesh = app.add_subcommand("mesh", "look at and convert volume and surface meshes");
     mesh->require_subcommand(1);
+    add_mesh_cook_command(*mesh, status);
+    add_mesh_skin_command(*mesh, status);
+    add_mesh_refine_command(*mesh, status);
     auto o = std::make_shared<MeshOptions>();
     CLI::App* info_command = mesh->add_subcommand("info", "count, measure and check a mesh or a surface");
     info_command->add_option("file", o->in, "mesh file")->required();

@@ -5,7 +5,7 @@ namespace supple::demos {
 
 /// What a mesh will cost, estimated before it is simulated.
 struct MeshCost {
-    double memory_mb = 0;  ///< of a body with its template, default solver
+    double memory_mb = 0;  ///< of a body with its template and solver
     double step_ms = 0;    ///< one implicit Euler step at 60 Hz, corotational tissue, one thread
 };
 

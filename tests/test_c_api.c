@@ -135,6 +135,60 @@ static void test_advance(const SuppleBodyDef* bar) {
     supple_world_destroy(world);
 }
 
+/* A bar falls on a plane; a ball is pressed on it. */
+static void test_contact(const SuppleBodyDef* bar) {
+    SuppleWorldDef world_def;
+    SuppleWorld* world = NULL;
+    SuppleBodyId body;
+    SuppleColliderDef def;
+    SuppleColliderId plane, ball;
+    SuppleColliderState state;
+    SuppleContact contacts[256];
+    const double one[4] = {1, 0, 0, 0};
+    double sum = 0, start[3] = {0.2, 0.2, 0.05};
+    size_t count = 0, i;
+    int n;
+    CHECK(supple_world_def_default(&world_def, sizeof world_def) == SUPPLE_OK);
+    world_def.threads = 1;
+    CHECK(supple_world_create(&world_def, &world) == SUPPLE_OK);
+    CHECK(supple_world_add_body(world, bar, &body) == SUPPLE_OK);
+    CHECK(supple_collider_def_default(&def, sizeof def) == SUPPLE_OK);
+    CHECK(def.shape == SUPPLE_SHAPE_PLANE && def.size[1] == 1 && def.rotation_wxyz[0] == 1);
+    def.plane_offset_m = -0.01;
+    CHECK(supple_world_add_collider(world, &def, &plane) == SUPPLE_OK);
+    def.shape = SUPPLE_SHAPE_SPHERE;
+    def.motion = SUPPLE_COLLIDER_KINEMATIC;
+    def.size[0] = 0.03;
+    for (i = 0; i < 3; ++i) def.position_m[i] = start[i];
+    CHECK(supple_world_add_collider(world, &def, &ball) == SUPPLE_OK);
+    for (n = 0; n < 200; ++n) {
+        start[1] = 0.2 - 0.0005 * n;
+        CHECK(supple_world_move_collider(world, ball, start, one) == SUPPLE_OK);
+        CHECK(supple_world_step(world, NULL) == SUPPLE_OK);
+    }
+    CHECK(supple_collider_state_default(&state, sizeof state) == SUPPLE_OK);
+    CHECK(supple_world_collider_state(world, ball, &state) == SUPPLE_OK);
+    CHECK(state.struct_size == sizeof state && fabs(state.position_m[1] - start[1]) < 1e-12);
+    CHECK(state.force_n[1] > 0);
+    CHECK(supple_world_contact_count(world, &count) == SUPPLE_OK);
+    CHECK(count > 0 && count <= 256);
+    CHECK(supple_world_contacts(world, contacts, 0) == SUPPLE_INVALID_ARGUMENT);
+    CHECK(supple_world_contacts(world, contacts, 256) == SUPPLE_OK);
+    for (i = 0; i < count; ++i) {
+        CHECK(contacts[i].body.generation == body.generation && contacts[i].triangle >= 0);
+        if (contacts[i].collider.index == ball.index) sum += contacts[i].normal_force_n * contacts[i].normal[1] + contacts[i].friction_force_n[1];
+    }
+    CHECK(fabs(sum + state.force_n[1]) < 1e-9);
+    CHECK(supple_world_remove_collider(world, ball) == SUPPLE_OK);
+    CHECK(supple_world_remove_collider(world, ball) == SUPPLE_STALE_ID);
+    def.shape = 17;
+    CHECK(supple_world_add_collider(world, &def, &ball) == SUPPLE_INVALID_ARGUMENT);
+    def.shape = SUPPLE_SHAPE_MESH;
+    CHECK(supple_world_add_collider(world, &def, &ball) == SUPPLE_INVALID_ARGUMENT);
+    CHECK(strcmp(supple_flag_name(SUPPLE_FLAG_CONTACT_CAP), "contact_cap") == 0);
+    supple_world_destroy(world);
+}
+
 static void test_errors(const SuppleBodyDef* bar) {
     SuppleWorld* world = make_world();
     SuppleWorld* none = NULL;
@@ -222,6 +276,7 @@ int main(void) {
     test_fall(&bar);
     test_hang(&bar);
     test_advance(&bar);
+    test_contact(&bar);
     test_errors(&bar);
     test_versions();
     test_words();

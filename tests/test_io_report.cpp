@@ -21,6 +21,7 @@ RunSummary example_summary() {
     summary.state_hash = 0x00ab00000000cdefull;
     summary.energy = {1.5, 2.5, -3.5};
     summary.reaction_n = Vec3(0, 9.81, 0);
+    summary.contact_force_n = Vec3(0.5, 4.5, 0);
     return summary;
 }
 
@@ -79,7 +80,7 @@ TEST(IoReport, HoldsEveryFieldOfTheFormat) {
     EXPECT_EQ(json["energy_j"]["elastic"], 2.5);
     EXPECT_EQ(json["energy_j"]["gravity"], -3.5);
     EXPECT_EQ(json["reaction_n"], nlohmann::json::array({0.0, 9.81, 0.0}));
-    EXPECT_EQ(json["contact_force_n"], nlohmann::json::array({0.0, 0.0, 0.0}));
+    EXPECT_EQ(json["contact_force_n"], nlohmann::json::array({0.5, 4.5, 0.0}));
 }
 
 TEST(IoReport, IsValidWithoutStepsAndWithNonFiniteOnes) {

@@ -403,10 +403,56 @@ TEST(IoScene, WhatThisBuildCannotDoIsRefusedByItsKey) {
     };
     refuse(with_key(R"("solver": {"preconditioner": "auto_timed"})"), "/solver/preconditioner", {"auto_timed", "block_jacobi"});
     refuse(with_key(R"("solver": {"operator": "matrix_free"})"), "/solver/operator", {"assembled"});
-    refuse(with_key(R"("colliders": [{"plane": {"normal": [0, 1, 0], "offset_m": 0}}])"), "/colliders", {"colliders"});
     refuse(one_body(R"("material": {"fibre": [1, 0, 0]})"), "/bodies/0/material/fibre", {"fibre", "hyperelastic"});
     refuse(one_body(R"("material": {"law": "linear", "matrix_regularization": true})"), "/bodies/0/material/matrix_regularization", {"hyperelastic"});
     refuse(one_body(R"("regions": [{"all": true, "material": {"fibre_stiffness_pa": 1}}])"), "/bodies/0/regions/0/material/fibre_stiffness_pa", {"hyperelastic"});
+}
+
+TEST(IoScene, CollidersOfEveryShapeAndMotion) {
+    const Scene scene = parse(with_key(R"("colliders": [
+        {"plane": {"normal": [0, 2, 0], "offset_m": -0.5}, "friction": 0.4, "name": "floor"},
+        {"sphere": {"centre_m": [1, 2, 3], "radius_m": 0.1}, "motion": {"times_s": [0, 1], "positions_m": [[0, 0, 0], [1, 0, 0]], "rotations_wxyz": [[1, 0, 0, 0], [0, 1, 0, 0]]}},
+        {"capsule": {"radius_m": 0.1, "half_length_m": 0.2}, "position_m": [1, 1, 1], "mass_kg": 2, "velocity_m_s": [0, -1, 0], "spin_rad_s": [1, 0, 0]},
+        {"box": {"min_m": [0, 0, 0], "max_m": [1, 2, 3]}, "friction": 0},
+        {"box": {"half_extents_m": [1, 2, 3]}, "rotation_wxyz": [0, 0, 2, 0]},
+        {"cylinder": {"radius_m": 0.1, "half_length_m": 0.2}, "mass_kg": 0.1, "motion": {"times_s": [0], "positions_m": [[0, 1, 0]]},
+         "tool": {"stiffness_n_m": 300, "damping_n_s_m": 3, "max_force_n": 3.3, "torsion_nm_rad": 0.1, "max_torque_nm": 0.2}}])"));
+    ASSERT_EQ(scene.colliders.size(), 6u);
+    EXPECT_EQ(std::get<PlaneShape>(scene.colliders[0].shape).offset_m, -0.5);
+    EXPECT_EQ(scene.colliders[0].friction, 0.4);
+    EXPECT_EQ(scene.colliders[0].name, "floor");
+    EXPECT_EQ(scene.colliders[0].motion, ColliderMotion::fixed);
+    EXPECT_EQ(scene.colliders[1].motion, ColliderMotion::kinematic);
+    EXPECT_EQ(scene.colliders[1].pose.position_m, Vec3(1, 2, 3));
+    EXPECT_EQ(scene.colliders[1].keys.positions_m[1], Vec3(1, 0, 0));
+    EXPECT_EQ(scene.colliders[1].keys.rotations_wxyz[1][1], 1);
+    EXPECT_EQ(scene.colliders[2].motion, ColliderMotion::dynamic);
+    EXPECT_EQ(scene.colliders[2].mass_kg, 2);
+    EXPECT_EQ(scene.colliders[2].velocity_m_s, Vec3(0, -1, 0));
+    EXPECT_EQ(scene.colliders[3].pose.position_m, Vec3(0.5, 1, 1.5));
+    EXPECT_EQ(std::get<BoxShape>(scene.colliders[3].shape).half_extents_m, Vec3(0.5, 1, 1.5));
+    EXPECT_EQ(scene.colliders[4].pose.rotation_wxyz[2], 2);
+    EXPECT_EQ(scene.colliders[5].motion, ColliderMotion::tool);
+    EXPECT_EQ(scene.colliders[5].coupling.max_force_n, 3.3);
+    EXPECT_EQ(build_world(scene).colliders().size(), 6u);
+
+    const auto wrong = [](const std::string& collider, const std::string& pointer, const std::vector<std::string>& words) {
+        SCOPED_TRACE(collider);
+        expect_error(ErrorCode::parse, "s.json:/colliders/0" + pointer, words, [&] { parse(with_key("\"colliders\": [" + collider + "]")); });
+    };
+    wrong(R"({"friction": 0.3})", "", {"no shape", "sphere"});
+    wrong(R"({"sphere": {"radius_m": 1}, "box": {"half_extents_m": [1, 1, 1]}})", "/box", {"sphere"});
+    wrong(R"({"spere": {"radius_m": 1}})", "/spere", {"sphere"});
+    wrong(R"({"sphere": {"radius_m": 0}})", "/sphere/radius_m", {"0"});
+    wrong(R"({"sphere": {"radius_m": 1, "centre_m": [0, 0, 0]}, "position_m": [0, 0, 0]})", "/position_m", {"keep one"});
+    wrong(R"({"plane": {"normal": [0, 0, 0]}})", "/plane/normal", {"length"});
+    wrong(R"({"plane": {}, "mass_kg": 1})", "/mass_kg", {"plane"});
+    wrong(R"({"sphere": {"radius_m": 1}, "tool": {}})", "/tool", {"mass_kg"});
+    wrong(R"({"sphere": {"radius_m": 1}, "mass_kg": 1, "motion": {"times_s": [0], "positions_m": [[0, 0, 0]]}})", "/mass_kg", {"tool"});
+    wrong(R"({"sphere": {"radius_m": 1}, "velocity_m_s": [0, 0, 0]})", "/velocity_m_s", {"mass_kg"});
+    wrong(R"({"sphere": {"radius_m": 1}, "motion": {"times_s": [0, 0], "positions_m": [[0, 0, 0], [0, 0, 0]]}})", "/motion/times_s/1", {"ascend"});
+    wrong(R"({"sphere": {"radius_m": 1}, "motion": {"times_s": [0, 1], "positions_m": [[0, 0, 0]]}})", "/motion/positions_m", {"times_s"});
+    wrong(R"({"sphere": {"radius_m": 1}, "friction": 11})", "/friction", {"11"});
 }
 
 TEST(IoScene, EveryLawReadsItsParameters) {

@@ -104,7 +104,7 @@ TEST_F(Program, ListsItsDemos) {
 }
 
 TEST_F(Program, HelpIsNoError) {
-    for (const std::string command : {"list", "run", "record", "bench", "eval", "inspect", "mesh"}) {
+    for (const std::string command : {"list", "run", "record", "view", "bench", "eval", "inspect", "mesh"}) {
         const Result r = supple({command, "--help"});
         EXPECT_EQ(r.status, 0) << command;
         EXPECT_NE(r.out.find(command), std::string::npos) << r.out;

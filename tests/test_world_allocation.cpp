@@ -171,5 +171,29 @@ TEST(WorldAllocation, ReadingAllocatesNothingTheSecondTime) {
         << sum;
 }
 
+TEST(WorldAllocation, AStepInContactAllocatesOnlyWhenThereAreMoreContactsThanEver) {
+    if (skipped()) return;
+    WorldDef def;
+    def.threads = 1;
+    World world(def);
+    const BodyId body = world.add_body({.shape = test::cube(4, 0.1), .material = Corotational{.young_pa = 5e4, .poisson = 0.4}});
+    world.add_collider({});
+    const ColliderId tool = world.add_collider({.shape = BoxShape{Vec3(0.01, 0.02, 0.01)}, .pose = {Vec3(0.05, 0.14, 0.05), {1, 0, 0, 0}}, .motion = ColliderMotion::kinematic});
+    world.add_collider({.shape = SphereShape{0.02}, .pose = {Vec3(0.02, 0.13, 0.02), {1, 0, 0, 0}}, .motion = ColliderMotion::dynamic, .mass_kg = 0.1});
+    world.attach({.body = body, .vertices = {0, -1, -1, -1}});
+    const auto run = [&](int steps) {
+        for (int n = 0; n < steps; ++n) {
+            world.move_collider(tool, {Vec3(0.05 + 0.01 * std::sin(0.3 * n), 0.115, 0.05), {1, 0, 0, 0}});
+            world.step();
+        }
+    };
+    run(120);
+    const std::size_t bytes = world.step().contact_bytes;
+    const long count = allocations_of([&] { run(40); });
+    EXPECT_EQ(world.step().contact_bytes, bytes) << "contact memory grew: choose a longer start";
+    EXPECT_EQ(count, 0);
+    EXPECT_GT(world.contacts().size(), 20u);
+}
+
 }  // namespace
 }  // namespace supple

@@ -10,6 +10,7 @@
 #include "supple/base/parallel.h"
 #include "supple/io/mesh_file.h"
 #include "supple/mesh/box_mesh.h"
+#include "supple/mesh/refine.h"
 
 namespace supple::demos {
 namespace {
@@ -118,7 +119,7 @@ Workload mesh_body(const std::string& file, double tolerance, const BenchOptions
     Workload w;
     w.name = std::filesystem::path(file).stem().string() + "-" + tolerance_text(tolerance);
     w.make = [file, tolerance, o] {
-        VolumeMesh mesh = io::read_mesh(file);
+        VolumeMesh mesh = refine(io::read_mesh(file), o.show.refine);
         Vec3 low = Vec3::Constant(HUGE_VAL), high = -low;
         for (const Vec3& x : mesh.vertices) {
             low = low.cwiseMin(x);

@@ -188,6 +188,11 @@ void read_gmsh(const MeshSource& source, MeshBuilder& builder) {
                                 : read_gmsh2_elements_binary(s, format.order, builder);
         version == 4 ? read_gmsh4_elements(s, builder, entities) : read_gmsh2_elements(s, builder, version1);
     });
+    for (const Section& data : sections) {
+        if (data.name != "ElementData") continue;
+        TextScanner scanner = file.part(data.begin, data.end);
+        read_gmsh_fill(scanner, format.binary, format.order, builder);
+    }
 }
 
 }  // namespace supple::io

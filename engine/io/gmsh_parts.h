@@ -29,4 +29,7 @@ GmshEntities read_gmsh4_entities_binary(TextScanner& scanner, std::endian order)
 void read_gmsh4_nodes_binary(TextScanner& scanner, std::endian order, MeshBuilder& builder);
 void read_gmsh4_elements_binary(TextScanner& scanner, std::endian order, MeshBuilder& builder, const GmshEntities& entities);
 
+/// A section of element data; taken where it is called "fill".
+void read_gmsh_fill(TextScanner& scanner, bool binary, std::endian order, MeshBuilder& builder);
+
 }  // namespace supple::io

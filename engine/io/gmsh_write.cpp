@@ -101,6 +101,21 @@ std::vector<Run> runs_of(const VolumeMesh& mesh) {
     return runs;
 }
 
+/// VolumeMesh::fill as element data; elements are numbered from 1 in both versions.
+template <class Sink>
+void append_fill(std::string& text, const VolumeMesh& mesh) {
+    if (mesh.fill.empty()) return;
+    text += "$ElementData\n1\n\"fill\"\n1\n0\n3\n0\n1\n" + std::to_string(mesh.fill.size()) + "\n";
+    Sink sink(text);
+    for (std::size_t e = 0; e < mesh.fill.size(); ++e) {
+        sink.int32(std::int64_t(e) + 1);
+        sink.real(mesh.fill[e]);
+        sink.end_line();
+    }
+    sink.end_section();
+    text += "$EndElementData\n";
+}
+
 template <class Sink>
 std::string format_version2(const VolumeMesh& mesh) {
     require_writable_mesh(mesh, "write_mesh");
@@ -138,7 +153,9 @@ std::string format_version2(const VolumeMesh& mesh) {
         sink.end_line();
     });
     sink.end_section();
-    return text + "$EndElements\n";
+    text += "$EndElements\n";
+    append_fill<Sink>(text, mesh);
+    return text;
 }
 
 /// Entities: a point per group, and a volume per region, tag 0 standing for none. They say nothing of the shape but its box.
@@ -228,7 +245,9 @@ std::string format_version4(const VolumeMesh& mesh) {
         sink.end_line();
     });
     sink.end_section();
-    return text + "$EndElements\n";
+    text += "$EndElements\n";
+    append_fill<Sink>(text, mesh);
+    return text;
 }
 
 }  // namespace

@@ -164,6 +164,14 @@ mesh::TriangleMesh MeshBuilder::finish_surface(const std::string& name) {
     return surface;
 }
 
+void MeshBuilder::set_fill(const TextScanner& scanner, const char* position, std::vector<double> fill) {
+    if (fill.size() != mesh_.element_count())
+        scanner.fail("the element data \"fill\" has " + std::to_string(fill.size()) + " values for " + std::to_string(mesh_.element_count()) +
+                         " volume elements; it needs one each",
+                     position);
+    mesh_.fill = std::move(fill);
+}
+
 VolumeMesh MeshBuilder::finish(const std::string& name) {
     if (mesh_.element_count() == 0) refuse_empty(name);
     if (mesh_.element_count() > kMostVertices) throw Error(ErrorCode::unsupported, name, "more than 2^31 - 1 elements");

@@ -44,6 +44,9 @@ public:
     void add_element(const TextScanner& scanner, const char* position, const ElementType& type, std::span<const std::int64_t> ids,
                      std::span<const std::int64_t> physicals);
 
+    /// VolumeMesh::fill, in the order in which the volume elements were added; after the last of them.
+    void set_fill(const TextScanner& scanner, const char* position, std::vector<double> fill);
+
     /// A polygon of a surface, without a group.
     void add_polygon(const TextScanner& scanner, const char* position, std::span<const std::int64_t> ids);
 

@@ -68,7 +68,11 @@ VolumeMesh read_mesh(const std::filesystem::path& file) {
 }
 
 void write_mesh(const std::filesystem::path& file, const VolumeMesh& mesh, std::string_view format) {
-    choose_volume_format(file, format).write(file, mesh);
+    const OutputFormat& chosen = choose_volume_format(file, format);
+    if (!mesh.fill.empty() && chosen.key.substr(0, 4) != "gmsh")
+        throw Error(ErrorCode::unsupported, file.string(),
+                    "this mesh has elements that are filled in part, which only Gmsh files hold; write a .msh file, or clear VolumeMesh::fill to fill them");
+    chosen.write(file, mesh);
 }
 
 mesh::TriangleMesh parse_surface(std::string_view bytes, const std::string& name) { return surface_of({bytes, name, {}}); }

@@ -42,6 +42,7 @@ RunSummary summarise(const World& world, std::string isa, int threads) {
     summary.state_hash = world.hash();
     summary.energy = world.energy();
     summary.reaction_n = world.reaction_n();
+    summary.contact_force_n = world.contact_force_n();
     return summary;
 }
 
@@ -69,7 +70,7 @@ std::string RunReport::to_json(const RunSummary& summary) const {
     }
     char hash[17];
     std::snprintf(hash, sizeof hash, "%016llx", static_cast<unsigned long long>(summary.state_hash));
-    const Vec3& reaction = summary.reaction_n;
+    const Vec3 &reaction = summary.reaction_n, &contact = summary.contact_force_n;
     const Json report = {
         {"steps", steps()},
         {"time_step_s", summary.time_step_s},
@@ -88,7 +89,7 @@ std::string RunReport::to_json(const RunSummary& summary) const {
         {"state_hash", hash},
         {"energy_j", {{"kinetic", summary.energy.kinetic_j}, {"elastic", summary.energy.elastic_j}, {"gravity", summary.energy.gravity_j}, {"loads", summary.energy.loads_j}}},
         {"reaction_n", Json::array({reaction[0], reaction[1], reaction[2]})},
-        {"contact_force_n", Json::array({0.0, 0.0, 0.0})},
+        {"contact_force_n", Json::array({contact[0], contact[1], contact[2]})},
     };
     return report.dump(2) + "\n";
 }

@@ -19,6 +19,7 @@ struct RunSummary {
     std::uint64_t state_hash = 0;
     Energy energy;
     Vec3 reaction_n = Vec3::Zero();
+    Vec3 contact_force_n = Vec3::Zero();
 };
 
 /// Reads all of it from a world as it stands now.
@@ -37,8 +38,8 @@ public:
 
     /// JSON, keys: steps, time_step_s, threads, isa, precision, bodies, vertices, elements, step_ms {median, p99, p999, max},
     /// stages_ms {stage: median}, cg_iterations {mean, max} (per step), cg_relative_residual {median, max}, flags [names], state_hash (16
-    /// hexadecimal digits), energy_j {kinetic, elastic, gravity, loads}, reaction_n [3], contact_force_n [3] (zero: bodies of this version touch
-    /// nothing). p99 and p999 are nearest ranks: the least time that 99 % (99.9 %) of the steps do not exceed. Without a step all numbers
+    /// hexadecimal digits), energy_j {kinetic, elastic, gravity, loads}, reaction_n [3], contact_force_n [3] (of all
+    /// colliders on the bodies in the last step). p99 and p999 are nearest ranks: the least time that 99 % (99.9 %) of the steps do not exceed. Without a step all numbers
     /// are 0.
     std::string to_json(const RunSummary& summary) const;
     void write(const std::filesystem::path& file, const RunSummary& summary) const;

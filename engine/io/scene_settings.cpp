@@ -5,7 +5,7 @@ namespace supple::io {
 SolverDef read_solver(const JsonNode& node) {
     require_keys(node,
                  {"integrator", "newton_iterations", "newton_tolerance", "cg_relative_tolerance", "cg_max_iterations", "preconditioner",
-                  "precision", "linearise_at", "rayleigh_mass_1_s", "rayleigh_stiffness_s", "tangent", "operator", "step_budget_us"});
+                  "precision", "linearise_at", "rayleigh_mass_1_s", "rayleigh_stiffness_s", "tangent", "operator", "step_budget_us", "contact_iterations"});
     SolverDef solver;
     if (node.has("integrator")) {
         const std::string kind = node.at("integrator").choice({"implicit_euler", "bdf2", "newmark", "static"});
@@ -37,6 +37,7 @@ SolverDef read_solver(const JsonNode& node) {
         const std::string at = node.at("linearise_at").choice({"prediction", "current"});
         solver.linearise_at = at == "prediction" ? LineariseAt::prediction : LineariseAt::current;
     }
+    if (node.has("contact_iterations")) solver.contact_iterations = int(node.at("contact_iterations").integer(1, 1000));
     if (node.has("step_budget_us")) solver.step_budget_us = node.at("step_budget_us").number(0, 1e9);
     if (node.has("rayleigh_mass_1_s")) solver.rayleigh_mass_1_s = node.at("rayleigh_mass_1_s").number(0, 1e6);
     if (node.has("rayleigh_stiffness_s")) solver.rayleigh_stiffness_s = node.at("rayleigh_stiffness_s").number(0, 1e3);

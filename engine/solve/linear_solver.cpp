@@ -35,7 +35,35 @@ double add_appended(std::span<const AppendedRow> appended, const Real* x, Real* 
     return dot;
 }
 
+/// y -= B A^-1 B^T x for every eliminated body; returns the (negative) sum of their x . y.
+template <class Real>
+double subtract_eliminated(std::span<const EliminatedBody> eliminated, const Real* x, Real* y) {
+    double dot = 0;
+    for (const EliminatedBody& body : eliminated) {
+        Eigen::Matrix<double, 6, 1> sum = Eigen::Matrix<double, 6, 1>::Zero();
+        for (std::size_t i = 0; i < body.row.size(); ++i) {
+            const Real* v = x + std::size_t(body.row[i]) * 4;
+            sum += body.block[i].transpose() * Vec3(double(v[0]), double(v[1]), double(v[2]));
+        }
+        const Eigen::Matrix<double, 6, 1> answer = body.inverse * sum;
+        for (std::size_t i = 0; i < body.row.size(); ++i) {
+            const Vec3 force = body.block[i] * answer;
+            for (int c = 0; c < 3; ++c) y[std::size_t(body.row[i]) * 4 + std::size_t(c)] -= Real(force[c]);
+        }
+        dot -= sum.dot(answer);
+    }
+    return dot;
+}
+
 }  // namespace
+
+template <class Real>
+double LinearSolver<Real>::add_beside(Team& team, std::span<const AppendedRow> appended, const Real* x, Real* y) {
+    double sum = add_appended(appended, x, y);
+    if (!eliminated_.empty()) sum += subtract_eliminated(eliminated_, x, y);
+    if (coupling_ != nullptr) sum += coupling_->multiply_add(team, x, y);
+    return sum;
+}
 
 template <class Real>
 LinearSolver<Real>::LinearSolver(std::size_t rows, Isa isa)
@@ -75,9 +103,7 @@ double LinearSolver<Real>::multiply(Team& team, const Bsr3<Real>& A, std::span<c
     const double dot = sum_over_rows(team, rows_, partial_, [&](std::size_t begin, std::size_t end) {
         return kernels_.multiply(p.row_start.data(), p.column.data(), A.value.data(), x, y, begin, end);
     });
-    double sum = dot + add_appended(appended, x, y);
-    if (coupling_ != nullptr) sum += coupling_->multiply_add(team, x, y);
-    return sum;
+    return dot + add_beside(team, appended, x, y);
 }
 
 /// Leaves in r_ the residual of the best start and adds that start to x. On entry r_ = b.
@@ -94,12 +120,8 @@ void LinearSolver<Real>::warm_start(Team& team, const Bsr3<Real>& A, std::span<c
         team.for_range(rows_, kRowChunk, [&](std::size_t begin, std::size_t end) {
             kernels_.multiply_two(p.row_start.data(), p.column.data(), A.value.data(), d_.data(), z_.data(), p_.data(), q_.data(), begin, end);
         });
-        add_appended(appended, z_.data(), q_.data());
-        add_appended(appended, d_.data(), p_.data());
-        if (coupling_ != nullptr) {
-            coupling_->multiply_add(team, z_.data(), q_.data());
-            coupling_->multiply_add(team, d_.data(), p_.data());
-        }
+        add_beside(team, appended, z_.data(), q_.data());
+        add_beside(team, appended, d_.data(), p_.data());
     } else {
         multiply(team, A, appended, d_.data(), p_.data());
     }

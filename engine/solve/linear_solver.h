@@ -46,6 +46,8 @@ public:
 
     /// Adds an operator to the matrix of the solves to come; null: none.
     void set_coupling(Coupling<Real>* coupling) { coupling_ = coupling; }
+    /// Eliminated bodies of the solves to come; they stay with the caller.
+    void set_eliminated(std::span<const EliminatedBody> eliminated) { eliminated_ = eliminated; }
 
     /// y = (A + appended + coupling) x; returns x . y.  [row][x y z 0]
     double multiply(Team& team, const Bsr3<Real>& A, std::span<const AppendedRow> appended, const Real* x, Real* y);
@@ -58,7 +60,11 @@ private:
     void import(Team& team, std::span<const Vec3> from, Real* to) const;
     double square(Team& team, const Real* v);
 
+    /// y += what lies beside the matrix times x; returns its x . y.
+    double add_beside(Team& team, std::span<const AppendedRow> appended, const Real* x, Real* y);
+
     Coupling<Real>* coupling_ = nullptr;
+    std::span<const EliminatedBody> eliminated_;
     const Bsr3Kernels<Real>& kernels_;
     std::size_t rows_;
     AlignedVector<Real> d_, r_, p_, q_, z_;  ///< [row][x y z 0]

@@ -18,6 +18,17 @@ struct AppendedRow {
     Mat3 stiffness = Mat3::Zero();   ///< symmetric positive semidefinite
 };
 
+using Mat36 = Eigen::Matrix<double, 3, 6, Eigen::DontAlign>;
+using Mat66 = Eigen::Matrix<double, 6, 6, Eigen::DontAlign>;
+
+/// Something with six unknowns that appended rows couple to the matrix, already eliminated: subtracts B A^-1 B^T, A its own matrix with its share of the
+/// rows' stiffness. With the rows it is positive semidefinite. A rigid body that touches the soft one enters so.
+struct EliminatedBody {
+    std::span<const std::int32_t> row;   ///< may repeat
+    std::span<const Mat36> block;        ///< of B; zero rows where the coordinate is held
+    Mat66 inverse = Mat66::Zero();       ///< of A
+};
+
 /// What the matrix lacks because its pattern cannot hold it: a symmetric positive semidefinite operator beside it.
 template <class Real>
 class Coupling {

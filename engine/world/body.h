@@ -7,6 +7,7 @@
 #include "supple/fem/elements.h"
 #include "supple/solve/linear_solver.h"
 #include "supple/solve/scalar_laplacian.h"
+#include "supple/world/contacts.h"
 #include "supple/world/hierarchy_build.h"
 #include "supple/world/prepared_loads.h"
 #include "supple/world/template_data.h"
@@ -32,6 +33,7 @@ struct BodyState {
     std::vector<Vec3> hierarchy_x, next_x;  ///< configurations that the frozen preconditioner was built from, and that the one under way is [m]
     std::vector<std::uint8_t> hierarchy_held, next_held;  ///< [vertex] bit c: coordinate c was held there
     std::vector<std::int32_t> solver; ///< choices of preconditioner: SolverMemory in precondition.h
+    std::vector<ContactMemory> contacts;  ///< of the contacts that pressed in the last step; as many as there were
 
     template <class Self, class F>
     static void for_each_field(Self& s, F&& f) {
@@ -52,6 +54,7 @@ struct BodyState {
         f("supports of the frozen preconditioner", s.hierarchy_held);
         f("supports of the next preconditioner", s.next_held);
         f("solver choices", s.solver);
+        f("contacts", s.contacts);
     }
 };
 
@@ -104,6 +107,7 @@ struct Workspace {
     std::vector<Vec3> f_dead;         ///< of these, what does not follow the body; kept only where something does
     std::vector<Vec3> b, rhs, free_rhs;  ///< right-hand side; with drag springs; with held coordinates zeroed
     std::vector<Vec3> dv, residual, product;
+    std::vector<Vec3> bare;           ///< b - A dv of the body itself: without drag springs and contacts
     std::vector<double> diagonal;     ///< mass part of the matrix
     std::vector<double> partial;
 };
@@ -150,7 +154,11 @@ struct Body {
     Workspace work;
     std::variant<std::monostate, System<float>, System<double>> system;
     mutable StressCache stress;
+    ContactSet contacts;
 
+    void need_contact_surface() {
+        if (!contacts.surface) contacts.surface = std::make_unique<ContactSurface>(data());
+    }
     const TemplateData& data() const { return shape->data(); }
     const fem::ElementLayout& layout() const { return own_layout ? own_layout->layout : data().layout; }
     std::size_t element_count() const { return layout().elements; }
@@ -189,6 +197,8 @@ inline const double* plastic_strain(const Body& body) { return body.state.plasti
 std::unique_ptr<Body> make_body(const BodyDef& def, const WorldDef& world, std::size_t index, Isa isa);
 /// Makes what depends on the materials of a definition: elements, mass, stiffness. Strong guarantee: where it throws, the body is as it was.
 void apply_materials(Body& body, const BodyDef& def, const WorldDef& world, Isa isa);
+/// Another preconditioner from the next step on; what the old one learned is forgotten.
+void change_preconditioner(Body& body, PreconditionerKind kind, Isa isa);
 /// The elements of a body's law and moduli, afresh.
 std::unique_ptr<fem::Elements> make_body_elements(const Body& body, fem::MatrixPrecision precision, Tangent tangent, Isa isa, bool project);
 /// Fills body.stress from the current positions, unless it is valid.

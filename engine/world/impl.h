@@ -19,6 +19,15 @@ struct World::Impl {
     std::vector<Drag> drags;
     std::uint32_t next_drag_generation = 1;
 
+    std::vector<Collider> colliders;
+    std::uint32_t next_collider_generation = 1;
+    std::size_t living_colliders = 0;
+    std::vector<ContactPoint> contact_report;
+    std::vector<Attachment> attachments;
+    std::uint32_t next_attachment_generation = 1;
+    std::size_t living_attachments = 0;
+    std::vector<solve::EliminatedBody> eliminated;  ///< scratch of a step: colliders that yield to the body at work
+
     std::uint64_t step = 0;
     double accumulator_s = 0;
     std::vector<solve::AppendedRow> appended;  ///< scratch of a step: rows of one body
@@ -26,6 +35,8 @@ struct World::Impl {
     Team& team_for(std::size_t elements) { return crew && elements >= kMinElementsForThreads ? *crew : alone; }
     Body& body(BodyId id) const;
     Drag& drag(DragId id);
+    Collider& collider(ColliderId id);
+    Attachment& attachment(AttachmentId id);
     double time_s() const { return double(step) * def.time_step_s; }
 };
 

@@ -4,6 +4,7 @@
 
 #include "supple/base/clock.h"
 #include "supple/solve/chunked_sum.h"
+#include "supple/world/contact_stages.h"
 #include "supple/world/stages.h"
 
 namespace supple {
@@ -35,6 +36,7 @@ void take_step(StepContext& ctx, Body& body) {
     ctx.team.for_range(body.vertices(), kRowChunk, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) w.v0[i] += w.dv[i];
     });
+    take_contacts(ctx, body);
 }
 
 /// v0 = v_start + s dv.
@@ -43,14 +45,15 @@ void move_to(StepContext& ctx, Body& body, double s) {
     ctx.team.for_range(body.vertices(), kRowChunk, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) w.v0[i] = w.v_start[i] + s * w.dv[i];
     });
+    advance_colliders(ctx, s);
 }
 
-/// Forces and tangent at v0, and the norm of the right-hand side with the drag springs.
+/// Forces and tangent at v0, and the norm of the right-hand side with drag springs and contacts.
 double look(StepContext& ctx, Watch& watch, BodyId id, Body& body) {
     const double norm = evaluate_elements(ctx, body, false);
-    const double with_drags = norm < kOverflow ? residual_with_drags(ctx, id, body) : norm;
+    const double with_touch = norm < kOverflow ? residual_with_touch(ctx, id, body) : norm;
     watch.lap(ctx, Stage::elements);
-    return with_drags;
+    return with_touch;
 }
 
 /// Goes along dv to where the right-hand side has no more than 0.8 of its first component along dv left against it (Matthies and Strang 1979: a
@@ -110,7 +113,7 @@ Outcome iterate(StepContext& ctx, Watch& watch, BodyId id, Body& body, const New
     ctx.deadline_ns = ctx.body_end_ns == 0 ? 0 : ctx.body_end_ns - (now_ns() - before_ns);
     watch.lap(ctx, Stage::elements);
     if (!(norm < kOverflow)) return Outcome::not_finite;
-    if (to_tolerance) norm = residual_with_drags(ctx, id, body);
+    if (to_tolerance) norm = residual_with_touch(ctx, id, body);
     double first = norm, previous = norm, eta = 0.1;
     int wait = 0, next_wait = 1;  // iterations before the exact tangent gets its next chance
     for (int k = 0;; ++k) {

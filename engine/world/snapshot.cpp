@@ -10,7 +10,7 @@ namespace supple {
 namespace {
 
 constexpr std::uint64_t kMagic = 0x31504e53504c5053ULL;  // "SPLPSNP1", little-endian
-constexpr std::uint32_t kVersion = 4;
+constexpr std::uint32_t kVersion = 5;
 
 std::uint64_t checksum(std::span<const std::byte> bytes) {
     Hasher hasher;
@@ -23,6 +23,16 @@ std::uint64_t layout_hash(const Body& body) {
     Hasher hasher;
     hasher.add_bytes(std::as_bytes(std::span(body.layout().slot)));
     return hasher.value();
+}
+
+constexpr std::size_t kMostContacts = 1u << 24;
+
+void check_contacts(const std::vector<ContactMemory>& contacts, const Body& body) {
+    for (const ContactMemory& c : contacts) {
+        for (const std::int32_t v : c.vertex) {
+            if (v < -1 || v >= std::int32_t(body.vertices())) throw Error(ErrorCode::corrupt_snapshot, "snapshot", "a contact does not fit its body");
+        }
+    }
 }
 
 void write(ByteWriter& out, const Drag& drag) {
@@ -60,6 +70,43 @@ Drag read_drag(ByteReader& in, const World::Impl& world) {
     return drag;
 }
 
+void write(ByteWriter& out, const Attachment& a) {
+    out.value(a.generation);
+    if (a.generation == 0) return;
+    for (const std::uint32_t x : {a.def.body.index, a.def.body.generation, a.def.collider.index, a.def.collider.generation}) out.value(x);
+    out.value(a.def.vertices);
+    out.value(a.def.weights);
+    out.value(a.corners);
+    out.value(a.broken);
+    for (const double x : {a.def.stiffness_n_m, a.def.max_force_n}) out.value(x);
+    for (const Vec3* v : {&a.anchor, &a.force}) out.value(std::array{(*v)[0], (*v)[1], (*v)[2]});
+}
+
+Attachment read_attachment(ByteReader& in, const World::Impl& world) {
+    Attachment a;
+    a.generation = in.value<std::uint32_t>("attachment");
+    if (a.generation == 0) return a;
+    for (std::uint32_t* x : {&a.def.body.index, &a.def.body.generation, &a.def.collider.index, &a.def.collider.generation}) *x = in.value<std::uint32_t>("attachment");
+    a.def.vertices = in.value<std::array<std::int32_t, 4>>("attachment");
+    a.def.weights = in.value<std::array<double, 4>>("attachment");
+    a.corners = in.value<std::int32_t>("attachment");
+    a.broken = in.value<std::int32_t>("attachment");
+    for (double* x : {&a.def.stiffness_n_m, &a.def.max_force_n}) *x = in.value<double>("attachment");
+    for (Vec3* v : {&a.anchor, &a.force}) {
+        const auto xyz = in.value<std::array<double, 3>>("attachment");
+        *v = Vec3(xyz[0], xyz[1], xyz[2]);
+    }
+    const auto wrong = [] { throw Error(ErrorCode::corrupt_snapshot, "snapshot", "an attachment does not fit the bodies and colliders of this world"); };
+    const bool body_lives = std::any_of(world.order.begin(), world.order.end(), [&](std::uint32_t slot) { return a.def.body == BodyId{slot, world.slots[slot].generation}; });
+    if (!body_lives || a.corners < 1 || a.corners > 4) wrong();
+    const std::size_t n = world.body(a.def.body).vertices();
+    for (std::size_t k = 0; k < std::size_t(a.corners); ++k) {
+        if (a.def.vertices[k] < 0 || std::size_t(a.def.vertices[k]) >= n) wrong();
+    }
+    if (a.def.collider && (a.def.collider.index >= world.colliders.size() || world.colliders[a.def.collider.index].generation != a.def.collider.generation)) wrong();
+    return a;
+}
+
 }  // namespace
 
 std::vector<std::byte> World::save() const {
@@ -82,6 +129,15 @@ std::vector<std::byte> World::save() const {
     }
     out.value(std::uint64_t(w.drags.size()));
     for (const Drag& drag : w.drags) write(out, drag);
+    out.value(w.next_collider_generation);
+    out.value(std::uint64_t(w.colliders.size()));
+    for (const Collider& collider : w.colliders) {
+        out.value(collider.generation);
+        if (collider.generation != 0) out.value(collider.moving());
+    }
+    out.value(w.next_attachment_generation);
+    out.value(std::uint64_t(w.attachments.size()));
+    for (const Attachment& attachment : w.attachments) write(out, attachment);
     std::vector<std::byte> bytes = out.take();
     ByteWriter seal;
     seal.value(checksum(bytes));
@@ -119,7 +175,14 @@ void World::restore(std::span<const std::byte> snapshot) {
         if (index != slot || generation != w.slots[slot].generation) differs("the ids of its bodies differ: build the world by the same calls in the same order");
         const auto layout = in.value<std::uint64_t>("layout");
         states.push_back(w.slots[slot].body->start);
-        BodyState::for_each_field(states.back(), [&](const char* what, auto& field) { in.array(field, what); });
+        BodyState::for_each_field(states.back(), [&](const char* what, auto& field) {
+            if constexpr (std::is_same_v<std::remove_cvref_t<decltype(field)>, std::vector<ContactMemory>>) {
+                field = in.list<ContactMemory>(kMostContacts, what);
+            } else {
+                in.array(field, what);
+            }
+        });
+        check_contacts(states.back().contacts, *w.slots[slot].body);
         if (layout != layout_hash(*w.slots[slot].body)) {
             differs("the elements of \"" + w.slots[slot].body->name + "\" are grouped into other laws: set the materials it had when it was saved first");
         }
@@ -127,6 +190,19 @@ void World::restore(std::span<const std::byte> snapshot) {
     const auto drag_count = in.value<std::uint64_t>("drags");
     std::vector<Drag> drags;
     for (std::uint64_t i = 0; i < drag_count; ++i) drags.push_back(read_drag(in, w));
+    const auto next_collider = in.value<std::uint32_t>("colliders");
+    if (const auto count = in.value<std::uint64_t>("colliders"); count != w.colliders.size()) {
+        differs("it holds " + std::to_string(count) + " places for colliders, this world has " + std::to_string(w.colliders.size()));
+    }
+    std::vector<Collider::Moving> colliders(w.colliders.size());
+    for (std::size_t i = 0; i < colliders.size(); ++i) {
+        if (in.value<std::uint32_t>("collider id") != w.colliders[i].generation) differs("the ids of its colliders differ: build the world by the same calls in the same order");
+        if (w.colliders[i].generation != 0) colliders[i] = in.value<Collider::Moving>("collider");
+    }
+    const auto next_attachment = in.value<std::uint32_t>("attachments");
+    std::vector<Attachment> attachments;
+    const auto attachment_count = in.value<std::uint64_t>("attachments");
+    for (std::uint64_t i = 0; i < attachment_count; ++i) attachments.push_back(read_attachment(in, w));
     if (!in.at_end()) differs("it is longer than its contents");
     ByteReader seal(snapshot.last(sizeof(std::uint64_t)));
     if (seal.value<std::uint64_t>("checksum") != checksum(contents)) differs("its bytes were changed after it was saved");
@@ -145,6 +221,14 @@ void World::restore(std::span<const std::byte> snapshot) {
     }
     w.drags = std::move(drags);
     w.appended.reserve(w.drags.size());
+    w.next_collider_generation = std::max(w.next_collider_generation, next_collider);
+    for (std::size_t i = 0; i < colliders.size(); ++i) {
+        if (w.colliders[i].generation != 0) w.colliders[i].set_moving(colliders[i]);
+    }
+    w.contact_report.clear();
+    w.next_attachment_generation = std::max(w.next_attachment_generation, next_attachment);
+    w.attachments = std::move(attachments);
+    w.living_attachments = std::size_t(std::count_if(w.attachments.begin(), w.attachments.end(), [](const Attachment& a) { return a.generation != 0; }));
 }
 
 void World::reset() {
@@ -152,6 +236,10 @@ void World::reset() {
     w.step = 0;
     w.accumulator_s = 0;
     w.drags.clear();
+    for (Collider& collider : w.colliders) collider.start_at(0);
+    w.attachments.clear();
+    w.living_attachments = 0;
+    w.contact_report.clear();
     for (const std::uint32_t slot : w.order) {
         Body& body = *w.slots[slot].body;
         drop_preconditioner(body);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "supple/solve/chunked_sum.h"
+#include "supple/world/contact_stages.h"
 
 namespace supple {
 
@@ -126,6 +127,7 @@ bool integrate(StepContext& ctx, BodyId id, Body& body) {
     end_scheme(ctx, body);
     body.stress.valid = false;
     read_drags(ctx.world, id, body);
+    read_contacts(ctx, id, body);
     return true;
 }
 
@@ -141,6 +143,7 @@ void contain(StepContext& ctx, BodyId id, Body& body) {
     fem::seed_rotations(ctx.team, body.layout(), s.x, s.quaternion);
     body.stress.valid = false;
     drop_drags(ctx.world, id);
+    undo_contacts(ctx, body);
     ctx.report.flags |= StepFlag::non_finite;
 }
 

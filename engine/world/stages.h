@@ -31,14 +31,14 @@ double evaluate_elements(StepContext& ctx, Body& body, bool at_current);
 void assemble(StepContext& ctx, Body& body);
 /// Norm of the right-hand side below which a body rests: a ten-millionth of its loads needs no solving, less where the tolerance asks for less.
 double resting_residual(StepContext& ctx, Body& body);
-/// Right-hand side rhs with the forces of the drag springs; its norm over free coordinates.
-double residual_with_drags(StepContext& ctx, BodyId id, Body& body);
+/// Right-hand side rhs at v0 with the forces of drag springs and contacts; its norm over free coordinates.
+double residual_with_touch(StepContext& ctx, BodyId id, Body& body);
 /// What a static residual is compared with: the loads, or the reactions where they are larger (times h).
 double static_scale(StepContext& ctx, Body& body);
 /// Norm over free coordinates that rounding alone leaves of a right-hand side in balance: of the positions that forces are made from (an error of eps |x| in x is one of eps K |x|), of loads and momenta.
 double rounding_residual(StepContext& ctx, Body& body);
 enum class Solved { yes, not_finite, indefinite };
-/// Drag springs and dv, to `tolerance` of the right-hand side. A tangent that was not projected (work.project) may turn out to be indefinite.
+/// Drag springs, contacts and dv, to `tolerance` of the right-hand side. A tangent that was not projected (work.project) may turn out to be indefinite.
 /// @param first  of the step: with warm starts, and remembered by the choice of preconditioner
 Solved solve_system(StepContext& ctx, BodyId id, Body& body, double floor, double tolerance, bool first);
 /// The new state, if it is finite; if not, false and nothing has changed.
@@ -46,8 +46,9 @@ bool integrate(StepContext& ctx, BodyId id, Body& body);
 /// The body stays where the step found it, takes no further part, and is reported.
 void contain(StepContext& ctx, BodyId id, Body& body);
 
-/// The drag springs of a body: none at its cap at the start of a step; their forces at the new positions; no force on a body that is contained.
-void begin_drags(World::Impl& world, BodyId id);
+/// The touch of a body at the start of a step: no drag spring at its cap, the contacts around v0.
+void begin_touch(StepContext& ctx, BodyId id, Body& body);
+/// The drag springs' forces at the new positions; no force on a body that is contained.
 void read_drags(World::Impl& world, BodyId id, Body& body);
 void drop_drags(World::Impl& world, BodyId id);
 

@@ -13,6 +13,7 @@ std::string_view name(StepFlag one_bit) {
         case StepFlag::preconditioner: return "preconditioner";
         case StepFlag::budget: return "budget";
         case StepFlag::late_preconditioner: return "late_preconditioner";
+        case StepFlag::contact_cap: return "contact_cap";
         case StepFlag::none: break;
     }
     return "none";
@@ -37,6 +38,8 @@ std::string_view cure(StepFlag one_bit) {
             return "step_budget_us was used up before cg_relative_tolerance: raise the one, loosen the other, or use a coarser mesh";
         case StepFlag::late_preconditioner:
             return "the next preconditioner was not ready in its step and the last one goes on, slower: leave a core to it, or set step_budget_us to 0 for steps that wait";
+        case StepFlag::contact_cap:
+            return "contacts still opened, closed or slipped after contact_iterations: raise it, take a smaller time_step_s, or move the tool more slowly";
         case StepFlag::none: break;
     }
     return "all is well";
@@ -46,6 +49,7 @@ std::string_view name(Stage stage) {
     switch (stage) {
         case Stage::guard: return "guard";
         case Stage::loads: return "loads";
+        case Stage::contact: return "contact";
         case Stage::elements: return "elements";
         case Stage::assemble: return "assemble";
         case Stage::solve: return "solve";

@@ -19,19 +19,20 @@ enum class StepFlag : std::uint32_t {
     preconditioner = 1u << 6,    ///< the preconditioner lost its definiteness; block-Jacobi took over, the answer is as good but slower
     budget = 1u << 7,            ///< step_budget_us was used up before the tolerance: the step holds the best iterate
     late_preconditioner = 1u << 8,  ///< with step_budget_us: the next preconditioner was not ready in its step, the last one goes on; the run is no longer the same every time
+    contact_cap = 1u << 9,       ///< contacts still changed by more than a tenth of their force after contact_iterations
 };
 constexpr StepFlag operator|(StepFlag a, StepFlag b) { return StepFlag(std::uint32_t(a) | std::uint32_t(b)); }
 constexpr StepFlag operator&(StepFlag a, StepFlag b) { return StepFlag(std::uint32_t(a) & std::uint32_t(b)); }
 constexpr StepFlag& operator|=(StepFlag& a, StepFlag b) { return a = a | b; }
 inline constexpr StepFlag kAllStepFlags[] = {StepFlag::iteration_cap, StepFlag::residual_stalled, StepFlag::non_finite,
                                              StepFlag::frozen, StepFlag::newton_cap, StepFlag::no_equilibrium, StepFlag::preconditioner, StepFlag::budget,
-                                             StepFlag::late_preconditioner};
+                                             StepFlag::late_preconditioner, StepFlag::contact_cap};
 
 std::string_view name(StepFlag one_bit);  ///< "iteration_cap", ...: the words of report files
 std::string_view cure(StepFlag one_bit);  ///< one sentence: what to change
 
 /// The stages of a step, in order.
-enum class Stage { guard, loads, elements, assemble, solve, integrate, plasticity, stress, count_ };
+enum class Stage { guard, loads, contact, elements, assemble, solve, integrate, plasticity, stress, count_ };
 inline constexpr std::size_t kStageCount = std::size_t(Stage::count_);
 std::string_view name(Stage stage);  ///< "guard", "loads", ...
 
@@ -44,6 +45,9 @@ struct StepReport {
     std::array<double, kStageCount> stage_ms{};
     int cg_iterations = 0;
     int newton_iterations = 0;   ///< largest over the bodies
+    int contacts = 0;            ///< that press at the end of the step
+    int contact_iterations = 0;  ///< solves that contacts asked for beyond the first of each
+    std::size_t contact_bytes = 0;  ///< memory that contacts hold; it grows with the most of them at a time, and only then does a step allocate
     double cg_relative_residual = 0;  ///< |b - A dv| / |b| in float64 arithmetic on float64 state; largest over bodies. 0 where b = 0
     double setup_ms() const { return step_ms - stage_ms[std::size_t(Stage::solve)]; }
 };

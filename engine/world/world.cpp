@@ -6,6 +6,7 @@
 #include "supple/base/hash.h"
 #include "supple/fem/element_passes.h"
 #include "supple/world/impl.h"
+#include "supple/world/precondition.h"
 
 namespace supple {
 
@@ -32,6 +33,7 @@ void check(const WorldDef& def) {
         throw Error(ErrorCode::invalid_argument, "WorldDef.solver.cg_relative_tolerance",
                     to_text(s.cg_relative_tolerance) + " is outside (0, 1); 1e-3 for games, 1e-5 for measurements");
     }
+    check_count("solver.contact_iterations", s.contact_iterations, 1, 1000, "12 is usual");
     check_count("solver.cg_max_iterations", s.cg_max_iterations, 1, 1000000, "2000 is usual");
     require_in_range(s.step_budget_us, 0, 1e9, "WorldDef.solver.step_budget_us", "0 sets no limit");
     if (def.isa && !is_supported(*def.isa)) {
@@ -60,6 +62,14 @@ void warn_of_materials(const WorldDef& world, const Body& body) {
     }
 }
 
+/// With what `automatic` stands for.
+SolverDef resolved(SolverDef solver) {
+    const bool is_static = solver.integrator == Integrator::quasi_static;
+    if (solver.precision == Precision::automatic) solver.precision = is_static ? Precision::double_ : Precision::single;
+    if (solver.tangent == Tangent::automatic) solver.tangent = is_static ? Tangent::exact : Tangent::warped;
+    return solver;
+}
+
 }  // namespace
 
 Body& World::Impl::body(BodyId id) const {
@@ -71,10 +81,7 @@ Body& World::Impl::body(BodyId id) const {
 World::World(const WorldDef& def) : impl_(std::make_unique<Impl>()) {
     check(def);
     impl_->def = def;
-    SolverDef& solver = impl_->def.solver;
-    const bool is_static = solver.integrator == Integrator::quasi_static;
-    if (solver.precision == Precision::automatic) solver.precision = is_static ? Precision::double_ : Precision::single;
-    if (solver.tangent == Tangent::automatic) solver.tangent = is_static ? Tangent::exact : Tangent::warped;
+    impl_->def.solver = resolved(def.solver);
     impl_->isa = def.isa.value_or(best_isa());
     impl_->threads = def.threads == 0 ? hardware_threads() : def.threads;
 }
@@ -94,6 +101,7 @@ BodyId World::add_body(const BodyDef& def) {
     warn_of_materials(w.def, *body);
     if (!w.crew && w.threads > 1 && body->element_count() >= kMinElementsForThreads) w.crew = std::make_unique<Team>(w.threads);
     if (slot == w.slots.size()) w.slots.emplace_back();
+    if (w.living_colliders > 0) body->need_contact_surface();
     w.slots[slot].body = std::move(body);
     w.order.push_back(slot);
     return {slot, w.slots[slot].generation};
@@ -104,6 +112,11 @@ void World::remove_body(BodyId id) {
     w.body(id);
     for (Drag& drag : w.drags) {
         if (drag.body == id) drag.generation = 0;
+    }
+    for (Attachment& attachment : w.attachments) {
+        if (attachment.generation == 0 || attachment.def.body != id) continue;
+        attachment = Attachment{};
+        --w.living_attachments;
     }
     w.slots[id.index].body.reset();
     ++w.slots[id.index].generation;
@@ -117,7 +130,19 @@ std::vector<BodyId> World::bodies() const {
 }
 
 const BodyTemplate& World::shape(BodyId id) const { return *impl_->body(id).shape; }
+std::shared_ptr<const Skin> World::skin(BodyId id) const { return impl_->body(id).def.skin; }
+
+std::vector<Vec3> World::skin_positions(BodyId id) const {
+    const Body& body = impl_->body(id);
+    std::vector<Vec3> out;
+    if (!body.def.skin) return out;
+    out.resize(body.def.skin->embedding().size());
+    body.def.skin->embedding().deform(body.state.x, out);
+    return out;
+}
+
 const std::string& World::name(BodyId id) const { return impl_->body(id).name; }
+const BodyDef& World::definition(BodyId id) const { return impl_->body(id).def; }
 
 void World::set_state(BodyId id, std::span<const Vec3> positions_m, std::span<const Vec3> velocities_m_s) {
     Body& body = impl_->body(id);
@@ -138,6 +163,7 @@ void World::set_state(BodyId id, std::span<const Vec3> positions_m, std::span<co
     s.x_previous = s.x;
     for (auto* history : {&s.dv1, &s.dv2}) history->assign(body.vertices(), Vec3::Zero());
     s.moving[0] = 0;
+    s.contacts.clear();
     fem::seed_rotations(impl_->team_for(body.element_count()), body.layout(), s.x, s.quaternion);
     body.stress.valid = false;
 }
@@ -166,6 +192,26 @@ void World::set_stiffness_factor(BodyId id, std::span<const double> per_element)
     BodyDef def = body.def;
     def.stiffness_factor_per_element.assign(per_element.begin(), per_element.end());
     apply_materials(body, def, impl_->def, impl_->isa);
+}
+
+void World::set_solver(const SolverDef& asked) {
+    Impl& w = *impl_;
+    WorldDef def = w.def;
+    const SolverDef before = def.solver;
+    def.solver = asked;
+    if (asked.precision == Precision::automatic) def.solver.precision = before.precision;
+    if (asked.tangent == Tangent::automatic) def.solver.tangent = before.tangent;
+    check(def);
+    if (def.solver.integrator != before.integrator || def.solver.precision != before.precision || def.solver.tangent != before.tangent) {
+        throw Error(ErrorCode::unsupported, "World::set_solver", "integrator, precision and tangent are chosen with the world; make a new one");
+    }
+    const bool other_kind = def.solver.preconditioner != before.preconditioner;
+    const bool other_matrix = def.solver.rayleigh_mass_1_s != before.rayleigh_mass_1_s || def.solver.rayleigh_stiffness_s != before.rayleigh_stiffness_s;
+    for (const std::uint32_t slot : w.order) {
+        if (other_kind) change_preconditioner(*w.slots[slot].body, def.solver.preconditioner, w.isa);
+        if (other_matrix) drop_preconditioner(*w.slots[slot].body);
+    }
+    w.def = def;
 }
 
 StepReport World::step() noexcept { return do_step(*impl_); }
@@ -256,6 +302,13 @@ Vec3 World::reaction_n(BodyId id) const {
     return sum;
 }
 
+Vec3 World::reaction_n(BodyId id, const Selection& where) const {
+    const Body& body = impl_->body(id);
+    Vec3 sum = Vec3::Zero();
+    for (const std::int32_t v : select_some(body.data(), body.name, where, "World::reaction_n")) sum += body.state.reaction[std::size_t(v)];
+    return sum;
+}
+
 Vec3 World::reaction_n() const {
     Vec3 sum = Vec3::Zero();
     for (const BodyId id : bodies()) sum += reaction_n(id);
@@ -274,6 +327,12 @@ std::uint64_t World::hash() const {
     }
     for (const Drag& drag : impl_->drags) {
         if (drag.generation != 0) add(std::array{drag.target, drag.force});
+    }
+    for (const Collider& collider : impl_->colliders) {
+        if (collider.generation != 0) add(collider.moving());
+    }
+    for (const Attachment& attachment : impl_->attachments) {
+        if (attachment.generation != 0) add(std::array{attachment.anchor, attachment.force});
     }
     return hasher.value();
 }

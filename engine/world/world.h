@@ -11,7 +11,10 @@
 #include "supple/base/log.h"
 #include "supple/material/material.h"
 #include "supple/math/isa.h"
+#include "supple/mesh/skin.h"
+#include "supple/world/attachment.h"
 #include "supple/world/body_template.h"
+#include "supple/world/collider.h"
 #include "supple/world/loads.h"
 #include "supple/world/step_report.h"
 #include "supple/world/stress.h"
@@ -55,6 +58,7 @@ struct SolverDef {
     double newton_tolerance = 0;
     double cg_relative_tolerance = 1e-5;   ///< on the true float64 residual, (0, 1)
     int cg_max_iterations = 2000;          ///< 1..1e6, per linear solve
+    int contact_iterations = 12;           ///< most solves in place of each for contacts that open, close, stick or slip in it, 1..1000
     PreconditionerKind preconditioner = PreconditionerKind::automatic;
     Precision precision = Precision::automatic;
     LineariseAt linearise_at = LineariseAt::prediction;
@@ -76,7 +80,8 @@ struct WorldDef {
 
 /// A part of a body whose matter differs. Regions apply in their order.
 struct MaterialRegion {
-    Selection where{};                    ///< the elements whose vertices are all selected; at least one
+    Selection where{};                    ///< selects at least one element
+    ElementRule rule = ElementRule::all_vertices;  ///< which elements these are
     std::optional<Material> material{};   ///< in place of the body's, of any law; empty: only the factor and the density change
     double stiffness_factor = 1;          ///< multiplies every modulus of the elements, > 0; those of several regions multiply
     double density_kg_m3 = 0;             ///< > 0; 0 keeps the body's
@@ -93,6 +98,7 @@ struct BodyDef {
     std::vector<double> stiffness_factor_per_element{};///< empty, or one per element, > 0: multiplies every modulus
     std::vector<double> density_kg_m3_per_element{};   ///< empty, or one per element, > 0: overrides density_kg_m3
     std::vector<MaterialRegion> regions{};             ///< applied after the above
+    std::shared_ptr<const Skin> skin{};                ///< drawn and picked in place of the boundary; made for shape->mesh(). Null: none
     Vec3 translation_m = Vec3::Zero();                 ///< of the start position; the rest shape stays where the mesh is
     Vec3 velocity_m_s = Vec3::Zero();                  ///< at the start
 };
@@ -105,8 +111,10 @@ struct Energy {
 
 struct PickHit {
     BodyId body;
-    std::int32_t triangle = -1, element = -1;  ///< boundary triangle and the element it bounds
-    std::array<double, 3> barycentric{};
+    std::int32_t triangle = -1, element = -1;  ///< boundary triangle and the element it bounds; of a body with a skin: -1, and the element that moves the point
+    std::int32_t skin_triangle = -1;           ///< of the body's skin; -1 where it has none
+    std::array<double, 3> barycentric{};       ///< in that triangle
+    std::array<double, 8> element_weights{};   ///< of the element's vertices (4 or 8): the point is their weighted sum
     Vec3 position_m = Vec3::Zero();
     double distance = 0;                       ///< in lengths of the ray's direction
 };
@@ -140,6 +148,9 @@ public:
     std::vector<BodyId> bodies() const;                  ///< living bodies, in the order they were added
     const BodyTemplate& shape(BodyId body) const;
     const std::string& name(BodyId body) const;
+    std::shared_ptr<const Skin> skin(BodyId body) const; ///< null: none
+    std::vector<Vec3> skin_positions(BodyId body) const; ///< [m]; empty: none. In a loop: skin()->embedding().deform(positions(), kept array)
+    const BodyDef& definition(BodyId body) const;        ///< as it was added, with the changes of matter since
 
     /// Holds the selected vertices where they are now (in the given axes). Returns how many; nothing selected is an Error.
     std::size_t fix(BodyId body, const Selection& where, Axes axes = {});
@@ -155,6 +166,20 @@ public:
     void set_regions(BodyId body, std::vector<MaterialRegion> regions);  ///< in place of all regions; may be empty
     void set_stiffness_factor(BodyId body, std::span<const double> per_element);  ///< in place of those per element; empty: 1
 
+    // -- colliders: rigid things that the bodies touch ------------------------------------------------
+    ColliderId add_collider(const ColliderDef& def);     ///< @error Error(invalid_argument / unsupported) naming the field of ColliderDef
+    void remove_collider(ColliderId collider);
+    std::vector<ColliderId> colliders() const;           ///< living colliders by index
+    const ColliderDef& collider(ColliderId collider) const;
+    /// A kinematic collider gets there by the end of the next step, evenly; a tool is drawn there from now on; others are put there at once, at rest.
+    void move_collider(ColliderId collider, const Pose& pose);
+    ColliderState collider_state(ColliderId collider) const;
+
+    AttachmentId attach(const AttachmentDef& def);       ///< @error Error(invalid_argument) naming the field of AttachmentDef
+    void move_attachment(AttachmentId attachment, const Vec3& anchor_m);  ///< ties it to another place in the world or on its collider
+    AttachmentState attachment_state(AttachmentId attachment) const;
+    void detach(AttachmentId attachment);
+
     // -- time -----------------------------------------------------------------------------------------
     StepReport step() noexcept;                          ///< one fixed step
     AdvanceReport advance(double real_seconds) noexcept; ///< as many fixed steps as real time asks for
@@ -162,6 +187,9 @@ public:
     std::uint64_t step_count() const;
     const WorldDef& def() const;
     void set_gravity(const Vec3& gravity_m_s2);
+    /// Other tolerances, iterations, damping, preconditioner ... from the next step on, as if the world had been made with them and brought to its present
+    /// state. integrator, precision and tangent stay (`automatic` means those at work): another one is Error(unsupported); ranges are those of the constructor.
+    void set_solver(const SolverDef& solver);
 
     // -- results --------------------------------------------------------------------------------------
     std::span<const Vec3> positions(BodyId body) const;           ///< [m]
@@ -182,7 +210,10 @@ public:
     Energy energy() const;
     Vec3 reaction_n(BodyId body) const;      ///< force of the supports and prescribed motions on the body in the last step [N]
     Vec3 reaction_n() const;                 ///< the same, all bodies
+    Vec3 reaction_n(BodyId body, const Selection& where) const;  ///< the same of a set of its vertices: of one support [N]
     std::span<const Vec3> reactions(BodyId body) const;  ///< per vertex, zero where free [N]
+    std::span<const ContactPoint> contacts() const;      ///< that pressed in the last step, body by body
+    Vec3 contact_force_n() const;                        ///< of all colliders on all bodies in the last step [N]
     bool is_frozen(BodyId body) const;
     void unfreeze(BodyId body);              ///< lets a contained body go on from where it stands, at rest
     std::uint64_t hash() const;              ///< of the whole state: equal hashes, equal bits
@@ -199,7 +230,7 @@ public:
     /// Continues bit for bit, also in a fresh process, in a world built by the same calls.
     /// @error Error(corrupt_snapshot) saying what differs; the world is then unchanged
     void restore(std::span<const std::byte> snapshot);
-    void reset();                                        ///< every body back to its start, time to 0, drags ended
+    void reset();                                        ///< every body and collider back to its start, time to 0, drags and attachments ended
 
     struct Impl;  ///< private to world/
 

@@ -19,10 +19,22 @@ for name in $(ls engine/io/*.cpp); do
         *) sources="$sources $name" ;;
     esac
 done
+flags="-std=c++20 -g1 -O1 -fno-omit-frame-pointer -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all"
+flags="$flags -Ibuild/fuzz/include -isystem /usr/include/eigen3 -Itests/fuzz"
+# Most of the time goes into headers: parsed once.
+printf '%s\n' '#include <Eigen/Geometry>' '#include <algorithm>' '#include <charconv>' '#include <filesystem>' '#include <map>' '#include <string>' \
+    '#include <unordered_map>' '#include <vector>' >build/fuzz/all.h
 # shellcheck disable=SC2086
-"$clang" -std=c++20 -g -O1 -fno-omit-frame-pointer -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all \
-    -Ibuild/fuzz/include -isystem /usr/include/eigen3 -Itests/fuzz tests/fuzz/fuzz_meshes.cpp tests/fuzz/one_input.cpp $sources -lz \
-    -o build/fuzz/fuzz_meshes
+"$clang" $flags -x c++-header build/fuzz/all.h -o build/fuzz/all.pch
+objects=
+for source in tests/fuzz/fuzz_meshes.cpp tests/fuzz/one_input.cpp $sources; do
+    object=build/fuzz/$(basename "$source" .cpp).o
+    # shellcheck disable=SC2086
+    "$clang" $flags -include-pch build/fuzz/all.pch -c "$source" -o "$object"
+    objects="$objects $object"
+done
+# shellcheck disable=SC2086
+"$clang" $flags $objects -lz -o build/fuzz/fuzz_meshes
 cd build/fuzz
 case $folder in /*) ;; *) folder=../../$folder ;; esac
 # No input of 8 kB deserves 256 MB at once, or five seconds.

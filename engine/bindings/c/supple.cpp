@@ -8,7 +8,9 @@
 #include <span>
 #include <string>
 #include <utility>
+#include <vector>
 
+#include "supple/contact/distance_grid.h"
 #include "supple/world/world.h"
 
 #ifndef SUPPLE_VERSION
@@ -245,7 +247,75 @@ static_assert(SUPPLE_INVALID_ARGUMENT == int(ErrorCode::invalid_argument) && SUP
 static_assert(SUPPLE_FLAG_ITERATION_CAP == int(supple::StepFlag::iteration_cap) &&
               SUPPLE_FLAG_RESIDUAL_STALLED == int(supple::StepFlag::residual_stalled) &&
               SUPPLE_FLAG_NON_FINITE == int(supple::StepFlag::non_finite) && SUPPLE_FLAG_FROZEN == int(supple::StepFlag::frozen) &&
-              SUPPLE_FLAG_NEWTON_CAP == int(supple::StepFlag::newton_cap));
+              SUPPLE_FLAG_NEWTON_CAP == int(supple::StepFlag::newton_cap) && SUPPLE_FLAG_CONTACT_CAP == int(supple::StepFlag::contact_cap));
+
+// -- colliders -----------------------------------------------------------------------------------------
+
+constexpr std::size_t kColliderDefFirst = 232, kColliderStateFirst = 184;
+static_assert(sizeof(SuppleColliderDef) == kColliderDefFirst && sizeof(SuppleColliderState) == kColliderStateFirst && sizeof(SuppleContact) == 112);
+
+void put(const Vec3& v, double* out) {
+    for (int i = 0; i < 3; ++i) out[i] = v[i];
+}
+
+supple::ColliderId id(SuppleColliderId collider) {
+    supple::ColliderId result;
+    result.index = collider.index;
+    result.generation = collider.generation;
+    return result;
+}
+
+SuppleColliderDef default_collider_def() {
+    const supple::ColliderDef d;
+    SuppleColliderDef c{};
+    c.struct_size = sizeof c;
+    c.size[1] = 1;
+    c.rotation_wxyz[0] = 1;
+    c.friction = d.friction;
+    c.tool_stiffness_n_m = d.coupling.stiffness_n_m;
+    return c;
+}
+
+supple::Shape shape_of(const SuppleColliderDef& c) {
+    switch (c.shape) {
+        case SUPPLE_SHAPE_PLANE: return supple::PlaneShape{vec3(c.size), c.plane_offset_m};
+        case SUPPLE_SHAPE_SPHERE: return supple::SphereShape{c.size[0]};
+        case SUPPLE_SHAPE_CAPSULE: return supple::CapsuleShape{c.size[0], c.size[1]};
+        case SUPPLE_SHAPE_BOX: return supple::BoxShape{vec3(c.size)};
+        case SUPPLE_SHAPE_CYLINDER: return supple::CylinderShape{c.size[0], c.size[1]};
+        case SUPPLE_SHAPE_MESH: break;
+        default: refuse("SuppleColliderDef.shape", std::to_string(c.shape) + " is not a SuppleShape (0 to 5)");
+    }
+    constexpr std::uint64_t kMost = 1u << 28;
+    if (c.vertex_count == 0 || c.vertex_count > kMost || c.triangle_count == 0 || c.triangle_count > kMost)
+        refuse("SuppleColliderDef", "a mesh needs vertices_m and triangles, at most " + std::to_string(kMost) + " of each");
+    required(c.vertices_m, "SuppleColliderDef.vertices_m", "the array");
+    required(c.triangles, "SuppleColliderDef.triangles", "the array");
+    std::vector<Vec3> vertices;
+    std::vector<supple::Triangle> triangles;
+    for (std::uint64_t i = 0; i < c.vertex_count; ++i) vertices.push_back(vec3(c.vertices_m + 3 * i));
+    for (std::uint64_t i = 0; i < c.triangle_count; ++i) triangles.push_back({c.triangles[3 * i], c.triangles[3 * i + 1], c.triangles[3 * i + 2]});
+    return supple::MeshShape{supple::contact::DistanceGrid::build(vertices, triangles, "SuppleColliderDef")};
+}
+
+supple::ColliderDef collider_def(const SuppleColliderDef& c) {
+    if (c.motion < SUPPLE_COLLIDER_FIXED || c.motion > SUPPLE_COLLIDER_DYNAMIC)
+        refuse("SuppleColliderDef.motion", std::to_string(c.motion) + " is not a SuppleColliderMotion (0 to 3)");
+    supple::ColliderDef d;
+    if (c.name != nullptr) d.name = c.name;
+    d.shape = shape_of(c);
+    d.motion = static_cast<supple::ColliderMotion>(c.motion);
+    d.pose.position_m = vec3(c.position_m);
+    std::copy(c.rotation_wxyz, c.rotation_wxyz + 4, d.pose.rotation_wxyz.begin());
+    d.friction = c.friction;
+    d.mass_kg = c.mass_kg;
+    d.velocity_m_s = vec3(c.velocity_m_s);
+    d.spin_rad_s = vec3(c.spin_rad_s);
+    d.coupling.stiffness_n_m = c.tool_stiffness_n_m;
+    d.coupling.damping_n_s_m = c.tool_damping_n_s_m;
+    d.coupling.max_force_n = c.tool_max_force_n;
+    return d;
+}
 
 }  // namespace
 
@@ -374,6 +444,81 @@ SuppleStatus supple_world_von_mises(const SuppleWorld* world, SuppleBodyId body,
             refuse("supple_world_von_mises",
                    "the buffer holds " + std::to_string(capacity) + " doubles; " + std::to_string(values.size()) + " are needed");
         std::copy(values.begin(), values.end(), stress_pa);
+    });
+}
+
+SuppleStatus supple_collider_def_default(SuppleColliderDef* def, size_t struct_size) {
+    return guarded([&] { write_struct(def, struct_size, kColliderDefFirst, default_collider_def(), "supple_collider_def_default"); });
+}
+
+SuppleStatus supple_collider_state_default(SuppleColliderState* state, size_t struct_size) {
+    return guarded([&] { write_struct(state, struct_size, kColliderStateFirst, SuppleColliderState{}, "supple_collider_state_default"); });
+}
+
+SuppleStatus supple_world_add_collider(SuppleWorld* world, const SuppleColliderDef* def, SuppleColliderId* out_collider) {
+    return guarded([&] {
+        required(out_collider, "supple_world_add_collider", "out_collider") = SuppleColliderId{0, 0};
+        required(world, "supple_world_add_collider", "world");
+        const SuppleColliderDef c = read_def(def, default_collider_def(), kColliderDefFirst, "SuppleColliderDef");
+        const supple::ColliderId collider = world->world.add_collider(collider_def(c));
+        *out_collider = SuppleColliderId{collider.index, collider.generation};
+    });
+}
+
+SuppleStatus supple_world_remove_collider(SuppleWorld* world, SuppleColliderId collider) {
+    return guarded([&] { required(world, "supple_world_remove_collider", "world").world.remove_collider(id(collider)); });
+}
+
+SuppleStatus supple_world_move_collider(SuppleWorld* world, SuppleColliderId collider, const double position_m[3], const double rotation_wxyz[4]) {
+    return guarded([&] {
+        required(world, "supple_world_move_collider", "world");
+        required(position_m, "supple_world_move_collider", "position_m");
+        required(rotation_wxyz, "supple_world_move_collider", "rotation_wxyz");
+        world->world.move_collider(id(collider), {vec3(position_m), {rotation_wxyz[0], rotation_wxyz[1], rotation_wxyz[2], rotation_wxyz[3]}});
+    });
+}
+
+SuppleStatus supple_world_collider_state(const SuppleWorld* world, SuppleColliderId collider, SuppleColliderState* out_state) {
+    return guarded([&] {
+        const supple::ColliderState s = required(world, "supple_world_collider_state", "world").world.collider_state(id(collider));
+        required(out_state, "supple_world_collider_state", "out_state");
+        SuppleColliderState c{};
+        put(s.pose.position_m, c.position_m);
+        std::copy(s.pose.rotation_wxyz.begin(), s.pose.rotation_wxyz.end(), c.rotation_wxyz);
+        put(s.velocity_m_s, c.velocity_m_s);
+        put(s.spin_rad_s, c.spin_rad_s);
+        put(s.force_n, c.force_n);
+        put(s.torque_nm, c.torque_nm);
+        put(s.coupling_force_n, c.coupling_force_n);
+        write_struct(out_state, static_cast<std::size_t>(out_state->struct_size), kColliderStateFirst, c, "SuppleColliderState");
+    });
+}
+
+SuppleStatus supple_world_contact_count(const SuppleWorld* world, size_t* out_count) {
+    return guarded([&] {
+        required(out_count, "supple_world_contact_count", "out_count") = 0;
+        *out_count = required(world, "supple_world_contact_count", "world").world.contacts().size();
+    });
+}
+
+SuppleStatus supple_world_contacts(const SuppleWorld* world, SuppleContact* contacts, size_t capacity) {
+    return guarded([&] {
+        const auto points = required(world, "supple_world_contacts", "world").world.contacts();
+        if (capacity < points.size())
+            refuse("supple_world_contacts", "the buffer holds " + std::to_string(capacity) + " contacts; " + std::to_string(points.size()) + " are needed");
+        if (!points.empty()) required(contacts, "supple_world_contacts", "the buffer");
+        for (const supple::ContactPoint& p : points) {
+            SuppleContact c{};
+            c.body = {p.body.index, p.body.generation};
+            c.collider = {p.collider.index, p.collider.generation};
+            c.triangle = p.triangle;
+            put(p.position_m, c.position_m);
+            put(p.normal, c.normal);
+            c.depth_m = p.depth_m;
+            c.normal_force_n = p.normal_force_n;
+            put(p.friction_force_n, c.friction_force_n);
+            *contacts++ = c;
+        }
     });
 }
 

@@ -93,7 +93,8 @@ typedef enum SuppleStepFlag {
     SUPPLE_FLAG_RESIDUAL_STALLED = 2,
     SUPPLE_FLAG_NON_FINITE = 4, /* a body became non-finite: rolled back to the start of the step and frozen */
     SUPPLE_FLAG_FROZEN = 8,
-    SUPPLE_FLAG_NEWTON_CAP = 16
+    SUPPLE_FLAG_NEWTON_CAP = 16,
+    SUPPLE_FLAG_CONTACT_CAP = 512 /* contacts still changed when their iterations were used up */
 } SuppleStepFlag;
 
 typedef struct SuppleStepReport {
@@ -109,6 +110,74 @@ typedef struct SuppleStepReport {
     double alpha;                  /* supple_world_advance(): draw (1-alpha) previous + alpha current */
 } SuppleStepReport;
 
+/* Generation 0 is "none". */
+typedef struct SuppleColliderId {
+    uint32_t index;
+    uint32_t generation;
+} SuppleColliderId;
+
+typedef enum SuppleShape {
+    SUPPLE_SHAPE_PLANE = 0,    /* solid where size . x < plane_offset_m; size is its normal */
+    SUPPLE_SHAPE_SPHERE = 1,   /* size[0] radius */
+    SUPPLE_SHAPE_CAPSULE = 2,  /* along y: size[0] radius, size[1] half length */
+    SUPPLE_SHAPE_BOX = 3,      /* size: half extents */
+    SUPPLE_SHAPE_CYLINDER = 4, /* along y: size[0] radius, size[1] half length */
+    SUPPLE_SHAPE_MESH = 5      /* a closed surface: vertices_m and triangles */
+} SuppleShape;
+
+typedef enum SuppleColliderMotion {
+    SUPPLE_COLLIDER_FIXED = 0,
+    SUPPLE_COLLIDER_KINEMATIC = 1, /* gets where it is moved, by the end of the next step */
+    SUPPLE_COLLIDER_TOOL = 2,      /* has a mass and is drawn to its target by a spring of limited force */
+    SUPPLE_COLLIDER_DYNAMIC = 3    /* has a mass; moved by gravity and the bodies that it touches */
+} SuppleColliderMotion;
+
+typedef struct SuppleColliderDef {
+    uint64_t struct_size;
+    const char* name;              /* for messages, UTF-8; NULL = "collider <index>" */
+    int32_t shape;                 /* SuppleShape */
+    int32_t motion;                /* SuppleColliderMotion */
+    double size[3];                /* by the shape; default 0 1 0: the normal of a plane */
+    double plane_offset_m;
+    double position_m[3];
+    double rotation_wxyz[4];       /* default 1 0 0 0 */
+    double friction;               /* Coulomb, [0, 10], default 0.3 */
+    double mass_kg;                /* > 0 for a tool or a dynamic collider, else 0 */
+    double velocity_m_s[3];        /* of these, at the start */
+    double spin_rad_s[3];
+    double tool_stiffness_n_m;     /* default 500 */
+    double tool_damping_n_s_m;     /* 0: critical */
+    double tool_max_force_n;       /* 0: no limit */
+    const double* vertices_m;      /* of a mesh: vertex_count xyz triples */
+    uint64_t vertex_count;
+    const int32_t* triangles;      /* triangle_count triples of vertex indices from 0, closed */
+    uint64_t triangle_count;
+} SuppleColliderDef;
+
+typedef struct SuppleColliderState {
+    uint64_t struct_size;
+    double position_m[3];
+    double rotation_wxyz[4];
+    double velocity_m_s[3];
+    double spin_rad_s[3];
+    double force_n[3];             /* of all soft bodies on it in the last step */
+    double torque_nm[3];           /* of these, about its centre of mass (its origin where it has no mass) */
+    double coupling_force_n[3];    /* of a tool's spring on it: what a hand feels is the opposite */
+} SuppleColliderState;
+
+/* A contact that pressed in the last step; forces act on the body. A plain array element: its size never changes. */
+typedef struct SuppleContact {
+    SuppleBodyId body;
+    SuppleColliderId collider;
+    int32_t triangle;              /* of the body's boundary */
+    int32_t reserved;
+    double position_m[3];
+    double normal[3];              /* unit, out of the collider */
+    double depth_m;
+    double normal_force_n;
+    double friction_force_n[3];
+} SuppleContact;
+
 const char* supple_version(void);                 /* "0.1.0" */
 const char* supple_status_name(SuppleStatus status);
 const char* supple_last_error(void);              /* of this thread's last failed call; "" before any. Valid until its next call */
@@ -119,6 +188,8 @@ const char* supple_flag_cure(uint32_t one_bit);   /* one sentence; "" for an unk
 SuppleStatus supple_world_def_default(SuppleWorldDef* def, size_t struct_size);
 SuppleStatus supple_body_def_default(SuppleBodyDef* def, size_t struct_size);
 SuppleStatus supple_step_report_default(SuppleStepReport* report, size_t struct_size);
+SuppleStatus supple_collider_def_default(SuppleColliderDef* def, size_t struct_size);
+SuppleStatus supple_collider_state_default(SuppleColliderState* state, size_t struct_size);
 
 SuppleStatus supple_world_create(const SuppleWorldDef* def, SuppleWorld** out_world);
 void supple_world_destroy(SuppleWorld* world);    /* NULL is fine */
@@ -142,6 +213,15 @@ SuppleStatus supple_world_positions(const SuppleWorld* world, SuppleBodyId body,
 SuppleStatus supple_world_previous_positions(const SuppleWorld* world, SuppleBodyId body, double* xyz_m, size_t capacity);
 SuppleStatus supple_world_velocities(const SuppleWorld* world, SuppleBodyId body, double* xyz_m_s, size_t capacity);
 SuppleStatus supple_world_von_mises(const SuppleWorld* world, SuppleBodyId body, double* stress_pa, size_t capacity);
+
+/* Rigid things that the bodies touch. */
+SuppleStatus supple_world_add_collider(SuppleWorld* world, const SuppleColliderDef* def, SuppleColliderId* out_collider);
+SuppleStatus supple_world_remove_collider(SuppleWorld* world, SuppleColliderId collider);
+/* A kinematic collider gets there by the end of the next step; a tool is drawn there from now on; others are put there at once, at rest. */
+SuppleStatus supple_world_move_collider(SuppleWorld* world, SuppleColliderId collider, const double position_m[3], const double rotation_wxyz[4]);
+SuppleStatus supple_world_collider_state(const SuppleWorld* world, SuppleColliderId collider, SuppleColliderState* out_state);
+SuppleStatus supple_world_contact_count(const SuppleWorld* world, size_t* out_count);
+SuppleStatus supple_world_contacts(const SuppleWorld* world, SuppleContact* contacts, size_t capacity);
 
 /* Hash of everything that moves: equal hashes, equal bits. */
 SuppleStatus supple_world_hash(const SuppleWorld* world, uint64_t* out_hash);

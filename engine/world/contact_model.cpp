@@ -1,0 +1,314 @@
+// The forces of contacts and their place in the system of a step.
+//
+// A body's unknown is dv, a yielding collider's dw (velocity of its centre, spin). A contact's s moves by z = h' J_s dv - h J_c dw, J_s the weights of its
+// vertices, J_c w = v + omega x lever. With the model f = f_ref - K (z - z_ref) on the body and its opposite on the collider, the step reads
+//     [ A_s + h'^2 J_s^T K J_s     -h h' J_s^T K J_c  ] [dv]   [ b_s + h' J_s^T f(0) ]
+//     [ -h h' J_c^T K J_s       A_c + h^2 J_c^T K J_c ] [dw] = [ b_c - h  J_c^T f(0) ].
+// dw is eliminated: six unknowns a collider, a matrix of its own. Conjugate gradients see  A_s + h'^2 J_s^T K J_s - B A^-1 B^T  with B = h h' J_s^T K J_c and A the
+// lower right block. It is symmetric and positive, and the collider feels the body as exactly as the body the collider.
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "supple/world/contact_stages.h"
+#include "supple/world/stages.h"
+
+namespace supple {
+
+namespace {
+
+constexpr double kAgree = 5e-3;      // of the sum of forces
+constexpr double kSteady = 0.9;      // cosine between two directions of slip that agree, and how much of Newton's step is taken then
+constexpr double kRaise = 8;         // factor of the stiffness of a contact that is too deep
+constexpr double kMostBoost = 4096;
+constexpr double kEasy = 0.125;      // of the allowed depth: below, a raised stiffness sinks back
+constexpr double kStale = 0.5;       // of the watched gaps
+
+Mat3 cross_matrix(const Vec3& v) {
+    Mat3 C;
+    C << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
+    return C;
+}
+
+/// J_c: velocity of the point at `lever` from velocity and spin of the centre.
+solve::Mat36 point_velocity(const Vec3& lever) {
+    solve::Mat36 J;
+    J << Mat3::Identity(), -cross_matrix(lever);
+    return J;
+}
+
+/// z of a contact for the solution dv, dw that is at hand.
+Vec3 shift(const StepContext& ctx, const Body& body, const Contact& c) {
+    Vec3 z = Vec3::Zero();
+    for (std::size_t k = 0; k < c.corners; ++k) z += c.weight[k] * body.work.dv[std::size_t(c.vertex[k])];
+    z *= body.work.h;
+    if (c.collider == kNoCollider) return z;
+    const Collider& collider = ctx.world.colliders[c.collider];
+    if (collider.unknown()) z -= ctx.world.def.time_step_s * (collider.dw.head<3>() + collider.dw.tail<3>().cross(c.lever));
+    return z;
+}
+
+struct Push {
+    Vec3 force = Vec3::Zero();
+    Mat3 K = Mat3::Zero();
+    double depth = 0;
+    Vec3 slip = Vec3::Zero();  ///< direction of the friction where it slips
+};
+
+/// Force of a contact whose s is known, and K: its derivative for normal force and stick. Where it slips, the secant limit/|trial| k: a quadratic above the
+/// friction's potential that touches it, so that each solve lowers the true one (from any start: Newton's own matrix cycles); and once two solves in a row
+/// slip alike, nearly Newton's, which has nothing along the slip.
+Push push(const Contact& c, const Vec3& s) {
+    Push p;
+    if (c.attachment >= 0) {
+        p.force = -c.stiffness * s;
+        p.K = c.stiffness * Mat3::Identity();
+        return p;
+    }
+    p.depth = -c.normal.dot(s);
+    if (!(p.depth > 0)) return p;
+    const double k = c.stiffness * c.boost, normal_force = k * p.depth;
+    const Mat3 across = Mat3::Identity() - c.normal * c.normal.transpose();
+    const Vec3 trial = c.memory_n - k * (across * (s - c.s_touch));
+    const double limit = c.friction * normal_force, length = trial.norm();
+    p.force = normal_force * c.normal;
+    p.K = k * c.normal * c.normal.transpose();
+    if (length <= limit) {
+        p.force += trial;
+        p.K += k * across;
+    } else if (limit > 0) {
+        const Vec3 t = trial / length;
+        p.force += limit * t;
+        p.slip = t;
+        const double newton = c.slip.dot(t) > kSteady ? kSteady : 0;
+        p.K += limit / length * k * (across - newton * t * t.transpose());
+    }
+    return p;
+}
+
+void set_model(Contact& c, const Vec3& z) {
+    const Push p = push(c, c.s_zero + z);
+    c.z_ref = z;
+    c.f_ref = p.force;
+    c.K = p.K;
+    c.closed = p.depth > 0 || c.attachment >= 0;
+    c.slip = p.slip;
+}
+
+}  // namespace
+
+void move_contacts(StepContext& ctx, Body& body) {
+    for (Contact& c : body.contacts.list) {
+        Vec3 point = Vec3::Zero();
+        for (std::size_t k = 0; k < c.corners; ++k) {
+            const auto v = std::size_t(c.vertex[k]);
+            point += c.weight[k] * (body.work.base_x[v] + body.work.h * body.work.v0[v]);
+        }
+        c.s_zero = point - c.lever;
+        if (c.collider != kNoCollider) {
+            const Collider& collider = ctx.world.colliders[c.collider];
+            const Vec6 since = collider.w - collider.reference;
+            c.s_zero -= collider.c1 + ctx.world.def.time_step_s * (since.head<3>() + since.tail<3>().cross(c.lever));
+        }
+        set_model(c, Vec3::Zero());
+    }
+}
+
+void place_contacts(StepContext& ctx, Body& body) {
+    for (Contact& c : body.contacts.list) {
+        const Vec3 z = shift(ctx, body, c);
+        c.s_zero = c.z_ref - z;
+        set_model(c, z);
+    }
+}
+
+void take_contacts(StepContext& ctx, Body& body) {
+    for (Contact& c : body.contacts.list) {
+        const Vec3 z = shift(ctx, body, c);
+        c.s_zero += z;
+        c.z_ref -= z;
+    }
+    advance_colliders(ctx, 1);
+}
+
+void append_contacts(StepContext& ctx, Body& body) {
+    World::Impl& world = ctx.world;
+    const double hs = body.work.h, hc = world.def.time_step_s;
+    world.eliminated.clear();
+    for (Collider& collider : world.colliders) {
+        collider.row.clear();
+        collider.block.clear();
+    }
+    const std::vector<Contact>& list = body.contacts.list;
+    std::size_t next = 0;
+    for (std::uint32_t slot = 0; slot < world.colliders.size(); ++slot) {
+        Collider& collider = world.colliders[slot];
+        if (collider.generation == 0) continue;
+        Mat66 A = Mat66::Zero();
+        Vec6 b = Vec6::Zero();
+        if (collider.unknown()) collider_equation(ctx, collider, A, b);
+        for (; next < list.size() && list[next].collider == slot; ++next) {
+            const Contact& c = list[next];
+            if (!c.closed) continue;
+            world.appended.push_back({c.rows(), c.weights(), hs * hs * c.K});
+            if (!collider.unknown()) continue;
+            const solve::Mat36 J = point_velocity(c.lever), KJ = c.K * J;
+            A += hc * hc * J.transpose() * KJ;
+            b -= hc * J.transpose() * c.force(Vec3::Zero());
+            for (std::size_t k = 0; k < c.corners; ++k) {
+                collider.row.push_back(c.vertex[k]);
+                collider.block.push_back(hs * hc * c.masked[k].asDiagonal() * KJ);
+            }
+        }
+        if (!collider.unknown()) continue;
+        collider.inverse = A.llt().solve(Mat66::Identity());
+        collider.b = b;
+        if (!collider.row.empty()) world.eliminated.push_back({collider.row, collider.block, collider.inverse});
+    }
+    for (; next < list.size(); ++next) world.appended.push_back({list[next].rows(), list[next].weights(), hs * hs * list[next].K});  // tied to the world
+    with_system(body, [&](auto& system) { system.solver.set_eliminated(world.eliminated); });
+}
+
+void solve_colliders(StepContext& ctx, Body& body) {
+    for (Collider& collider : ctx.world.colliders) {
+        if (collider.generation == 0 || !collider.unknown()) continue;
+        Vec6 sum = collider.b;
+        for (std::size_t i = 0; i < collider.row.size(); ++i) sum += collider.block[i].transpose() * body.work.dv[std::size_t(collider.row[i])];
+        collider.dw = collider.inverse * sum;
+    }
+}
+
+void add_contact_forces(StepContext& ctx, const Body& body, bool at_solution, Vec3* r) {
+    for (const Contact& c : body.contacts.list) {
+        if (!c.closed) continue;
+        const Vec3 impulse = body.work.h * c.force(at_solution ? shift(ctx, body, c) : Vec3(Vec3::Zero()));
+        for (std::size_t k = 0; k < c.corners; ++k) r[std::size_t(c.vertex[k])] += c.weight[k] * impulse;
+    }
+}
+
+ContactCheck update_contacts(StepContext& ctx, Body& body, bool raise, bool last) {
+    double difference = 0, sum = 0;
+    for (const Contact& c : body.contacts.list) {
+        const Vec3 z = shift(ctx, body, c);
+        const Vec3 force = push(c, c.s_zero + z).force;
+        difference += (c.closed ? Vec3(force - c.force(z)) : force).norm();
+        sum += force.norm();
+    }
+    ContactCheck check;
+    check.error = sum > 0 ? difference / sum : difference > 0 ? 1 : 0;
+    check.agrees = check.error <= kAgree;
+    if (last) return check;  // the forces stay those that the solution was found with
+    if (check.agrees && raise) {
+        for (Contact& c : body.contacts.list) {
+            if (c.attachment >= 0 || c.boost >= kMostBoost || -c.normal.dot(c.s_zero + shift(ctx, body, c)) <= c.allowed_depth) continue;
+            c.boost *= kRaise;
+            check.raised = true;
+        }
+    }
+    if (cap_colliders(ctx) || check.raised) check.agrees = false;
+    if (check.agrees) return check;
+    for (Contact& c : body.contacts.list) set_model(c, shift(ctx, body, c));
+    return check;
+}
+
+bool contacts_are_stale(StepContext& ctx, const Body& body) {
+    if (ctx.world.living_colliders == 0) return false;  // attachments are everywhere the same
+    const ContactSurface& surface = *body.contacts.surface;
+    const Workspace& w = body.work;
+    const double limit = kStale * surface.margin_m;
+    for (const std::int32_t v : body.data().boundary_vertices) {
+        const auto i = std::size_t(v);
+        if (!((w.base_x[i] + w.h * (w.v0[i] + w.dv[i]) - surface.end[i]).squaredNorm() <= limit * limit)) return true;
+    }
+    for (const Collider& collider : ctx.world.colliders) {
+        if (collider.generation == 0 || !collider.unknown()) continue;
+        const Vec6 moved = ctx.world.def.time_step_s * (collider.w + collider.dw - collider.reference);
+        if (moved.head<3>().norm() + moved.tail<3>().norm() * collider.reach_m > limit) return true;
+    }
+    return false;
+}
+
+void rest_colliders(StepContext& ctx) {
+    for (Collider& collider : ctx.world.colliders) {
+        collider.from = collider.w;
+        collider.dw = Vec6::Zero();
+    }
+}
+
+void advance_colliders(StepContext& ctx, double part) {
+    for (Collider& collider : ctx.world.colliders) {
+        if (collider.generation != 0 && collider.unknown()) collider.w = collider.from + part * collider.dw;
+    }
+}
+
+namespace {
+
+/// The opposite of a force on a body, on the collider.
+void push_back_on(StepContext& ctx, Collider& collider, const Vec3& force, const Vec3& lever) {
+    const Vec3 torque = lever.cross(force);
+    collider.force -= force;
+    collider.torque -= torque;
+    collider.impulse.head<3>() -= ctx.world.def.time_step_s * force;
+    collider.impulse.tail<3>() -= ctx.world.def.time_step_s * torque;
+}
+
+}  // namespace
+
+void read_contacts(StepContext& ctx, BodyId id, Body& body) {
+    ContactSet& set = body.contacts;
+    set.report.clear();
+    body.state.contacts.clear();
+    for (const Contact& c : set.list) {
+        if (!c.closed) continue;
+        const Vec3 force = c.force(Vec3::Zero());
+        if (c.collider != kNoCollider) push_back_on(ctx, ctx.world.colliders[c.collider], force, c.lever);
+        if (c.attachment >= 0) {
+            Attachment& attachment = ctx.world.attachments[std::size_t(c.attachment)];
+            attachment.force = force;
+            attachment.broken = attachment.def.max_force_n > 0 && force.norm() > attachment.def.max_force_n;
+            continue;
+        }
+        const Collider& collider = ctx.world.colliders[c.collider];
+        ContactPoint point;
+        point.body = id;
+        point.collider = {c.collider, collider.generation};
+        point.triangle = c.triangle;
+        const Triangle& corner = body.data().boundary.triangles[std::size_t(c.triangle)];
+        for (std::size_t k = 0; k < c.corners; ++k) {
+            point.position_m += c.weight[k] * (body.work.base_x[std::size_t(c.vertex[k])] + body.work.h * (body.work.v0[std::size_t(c.vertex[k])]));
+            for (std::size_t j = 0; j < 3; ++j) {
+                if (corner[j] == c.vertex[k]) point.barycentric[j] = c.weight[k];
+            }
+        }
+        point.normal = c.normal;
+        point.depth_m = -c.normal.dot(c.s_zero);
+        point.normal_force_n = c.normal.dot(force);
+        point.friction_force_n = force - point.normal_force_n * c.normal;
+        set.report.push_back(point);
+
+        ContactMemory memory;
+        memory.collider = c.collider;
+        memory.generation = collider.generation;
+        memory.vertex = {c.vertex[0], c.vertex[1], c.vertex[2]};
+        memory.friction_n = {point.friction_force_n[0], point.friction_force_n[1], point.friction_force_n[2]};
+        memory.boost = point.depth_m < kEasy * c.allowed_depth ? std::max(1.0, c.boost / 2) : c.boost;
+        body.state.contacts.push_back(memory);
+    }
+}
+
+void undo_contacts(StepContext& ctx, Body& body) {
+    drop_contacts(body);
+    for (Collider& collider : ctx.world.colliders) {
+        collider.w = collider.begin;
+        collider.dw = Vec6::Zero();
+    }
+}
+
+void drop_contacts(Body& body) {
+    body.contacts.list.clear();
+    body.contacts.report.clear();
+    body.state.contacts.clear();
+}
+
+}  // namespace supple

@@ -1,0 +1,64 @@
+#pragma once
+#include "supple/world/impl.h"
+
+namespace supple {
+
+// Contact inside a step. begin_colliders; for each body: find_contacts where Newton stands, then solves and update_contacts until the contacts agree with
+// the solution; read_contacts; end_colliders.
+
+/// Poses at the start of the step, where given motions lead, first guesses of the others.
+void begin_colliders(StepContext& ctx);
+/// New poses and velocities, forces on the colliders, the report of the step.
+void end_colliders(StepContext& ctx);
+
+/// The contacts of a body around the velocity v0 + dv that its solve has reached: what touches, what may touch, and the model of each.
+void find_contacts(StepContext& ctx, BodyId id, Body& body);
+/// s and models of contacts that were found at the solution at hand, which z_ref holds then.
+void place_contacts(StepContext& ctx, Body& body);
+/// The models at v0 itself, for a new v0 with the same contacts.
+void move_contacts(StepContext& ctx, Body& body);
+/// The whole solution is taken: v0 and the colliders' w have moved on by it, the forces stay those of the models.
+void take_contacts(StepContext& ctx, Body& body);
+/// Adds the rows of the contacts that push to world.appended, and the equations of the colliders that yield to world.eliminated.
+void append_contacts(StepContext& ctx, Body& body);
+/// The attachments of a body, added to its contacts.
+void find_attachments(StepContext& ctx, BodyId id, Body& body);
+/// A dw = b of a yielding collider without contacts: inertia, gravity, its coupling, and what the bodies before this one did.
+void collider_equation(const StepContext& ctx, const Collider& collider, Mat66& A, Vec6& b);
+/// A tool whose coupling would pull harder than it may at w + dw pulls as hard as it may from now on. True if one did.
+bool cap_colliders(StepContext& ctx);
+/// The end poses where w + dw leads: contacts are looked for there.
+void refer_colliders(StepContext& ctx);
+/// dw of the yielding colliders that goes with the body's dv.
+void solve_colliders(StepContext& ctx, Body& body);
+/// r += h' times the contact forces that the models give at the solution, or at v0.
+void add_contact_forces(StepContext& ctx, const Body& body, bool at_solution, Vec3* r);
+
+struct ContactCheck {
+    bool agrees = true;   ///< the models' forces are those of the contacts where the solution has led
+    bool raised = false;  ///< contacts were too deep and are stiffer now
+    double error = 0;     ///< sum of the differences, as part of the sum of forces
+};
+/// Models at the solution dv, if they disagree with it. Where `raise`, contacts that are too deep become stiffer. `last`: only looks.
+ContactCheck update_contacts(StepContext& ctx, Body& body, bool raise, bool last);
+/// True if the solution has led so far from where the contacts were looked for that there may be others.
+bool contacts_are_stale(StepContext& ctx, const Body& body);
+
+/// No solution yet: dw is zero, and w where the next one starts from.
+void rest_colliders(StepContext& ctx);
+/// The colliders' velocities when `part` of the solution is taken.
+void advance_colliders(StepContext& ctx, double part);
+
+/// Memory and report of the contacts at the end of a step.
+void read_contacts(StepContext& ctx, BodyId id, Body& body);
+/// Of a body that is frozen.
+void drop_contacts(Body& body);
+/// Of one that is contained: what its solve made of the colliders is void.
+void undo_contacts(StepContext& ctx, Body& body);
+
+/// Unit quaternion of a rotation (math/polar.h has the way back), and rotation vectors.
+std::array<double, 4> rotation_wxyz(const Mat3& R);
+Mat3 rotation_of(const Vec3& vector);
+Vec3 rotation_vector(const Mat3& R);
+
+}  // namespace supple

@@ -1,0 +1,357 @@
+// Which points of a body's surface touch a collider at the end of the step, or came through it on the way.
+//
+// Vertices are looked at everywhere; of triangles the deepest point is, where the shape has edges or is not much larger than they are: a needle
+// finds no vertex. What moves less than half the thickness of a shape in a step is looked at where the step would end. What moves farther is
+// followed along its way as the shape sees it, and the contact is the plane of the first touch, so that neither can pass through the other.
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+#include "supple/contact/closest.h"
+#include "supple/world/contact_stages.h"
+#include "supple/world/stages.h"
+
+namespace supple {
+
+using contact::Bounds;
+using contact::Distance;
+
+namespace {
+
+constexpr double kMargin = 0.5;            // of the mean edge: gaps that are watched
+constexpr double kStiffness = 20;          // of a contact, times what its vertices weigh against a force over one step
+constexpr double kAllowedDepth = 0.05;     // of the edges around a contact
+constexpr double kAllowedDepthOfShape = 0.1;  // of its thinness
+constexpr double kSweepFrom = 0.5;         // of a shape's thinness: longer ways are followed
+constexpr double kNear = 1e-3;             // of the edges, or of the thinness if that is less: what counts as touched on the way
+constexpr double kRoundEnough = 2.5;       // edges: a shape as round as that needs the vertices alone
+constexpr double kCorner = 1e-3;           // a weight below it is none
+constexpr double kProtrudes = 0.02;        // of the edges: how much deeper a triangle's inside must be than its corners; half of that to stay
+constexpr double kFromInside = 0.5;        // normals of body and shape agree by so much: the shape would come out of the body
+
+/// A collider as a body meets it.
+struct Meeting {
+    StepContext& ctx;
+    Body& body;
+    Collider& collider;
+    std::uint32_t slot;
+    Bounds swept;          ///< of the collider over the step, grown by the margin; of a plane nothing
+    bool everywhere;       ///< a plane
+    double near_m;
+
+    const Shape& shape() const { return collider.def.shape; }
+    const Vec3& start(std::int32_t v) const { return body.state.x[std::size_t(v)]; }
+    const Vec3& end(std::int32_t v) const { return body.contacts.surface->end[std::size_t(v)]; }
+};
+
+Bounds world_bounds(const Collider& collider) {
+    const Bounds local = contact::bounds(collider.def.shape);
+    Bounds box = Bounds::nothing();
+    for (int i = 0; i < 8; ++i) {
+        const Vec3 corner((i & 1 ? local.max_m : local.min_m).x(), (i & 2 ? local.max_m : local.min_m).y(), (i & 4 ? local.max_m : local.min_m).z());
+        box.include(collider.to_world0(corner));
+        box.include(collider.to_world1(corner));
+    }
+    return box;
+}
+
+/// What a vertex weighs against a force over one step: its inertia and its own elasticity.
+double weight_against(const StepContext& ctx, const Body& body, std::int32_t v) {
+    const auto i = std::size_t(v);
+    const double inertia = is_static(ctx) ? 0 : body.mass[i] / (body.work.h * body.work.h);
+    return inertia + body.stiffness_trace[i] / 3;
+}
+
+struct Found {
+    std::array<std::int32_t, 3> vertex{-1, -1, -1};
+    std::array<double, 3> weight{};
+    std::int32_t triangle = -1;
+    Vec3 local = Vec3::Zero();         ///< point of the shape's surface, its own frame
+    Vec3 normal = Vec3::Zero();        ///< its own frame
+    double time = -1;                  ///< of the first touch on the way; negative: looked at where the step ends
+    double edge_m = 0;
+};
+
+void add_contact(Meeting& m, const Found& f) {
+    const Body& body = m.body;
+    Contact c;
+    c.collider = m.slot;
+    c.triangle = f.triangle;
+    std::array<std::pair<std::int32_t, double>, 3> corner{};
+    double sum = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+        if (f.vertex[k] < 0 || f.weight[k] < kCorner) continue;
+        corner[c.corners++] = {f.vertex[k], f.weight[k]};
+        sum += f.weight[k];
+    }
+    for (std::size_t k = 1; k < c.corners; ++k) {
+        for (std::size_t j = k; j > 0 && corner[j].first < corner[j - 1].first; --j) std::swap(corner[j], corner[j - 1]);
+    }
+    Vec3 start = Vec3::Zero(), end = Vec3::Zero();
+    double compliance = 0;
+    for (std::size_t k = 0; k < c.corners; ++k) {
+        c.vertex[k] = corner[k].first;
+        c.weight[k] = corner[k].second / sum;
+        c.masked[k] = free_part(body, std::size_t(c.vertex[k]), Vec3::Constant(c.weight[k]));
+        start += c.weight[k] * m.start(c.vertex[k]);
+        end += c.weight[k] * m.end(c.vertex[k]);
+        compliance += c.weight[k] * c.weight[k] / weight_against(m.ctx, body, c.vertex[k]);
+    }
+    c.stiffness = kStiffness / compliance;
+    c.allowed_depth = std::min(kAllowedDepth * f.edge_m, kAllowedDepthOfShape * m.collider.thinness_m);
+    c.friction = m.collider.def.friction;
+    c.normal = m.collider.R1 * f.normal;
+    const Vec3 q0 = m.collider.to_world0(f.local), q1 = m.collider.to_world1(f.local);
+    c.lever = q1 - m.collider.c1;
+    c.z_ref = end - q1;  // s there, until place_contacts knows the rest
+    const Vec3 s0 = start - q0;
+    // The slide begins where they touch: from the start of the step for what touched then, on the way for what did not.
+    double touched = f.time;
+    if (touched < 0) {
+        const double before = (m.collider.R0 * f.normal).dot(s0), after = c.normal.dot(c.z_ref);
+        touched = before <= 0 ? 0 : after >= 0 ? 1 : before / (before - after);
+    }
+    c.s_touch = (1 - touched) * s0 + touched * c.z_ref;
+    m.body.contacts.list.push_back(c);
+}
+
+/// True if a shape that meets the surface with this normal (both in the world) would come out of the body there.
+bool from_inside(const Vec3& shape_normal, const Vec3& outward) { return shape_normal.dot(outward) > kFromInside * outward.norm(); }
+
+Vec3 outward_of(const Meeting& m, std::int32_t triangle) {
+    const Triangle& t = m.body.data().boundary.triangles[std::size_t(triangle)];
+    return (m.start(t[1]) - m.start(t[0])).cross(m.start(t[2]) - m.start(t[0]));
+}
+
+void look_at_vertex(Meeting& m, std::int32_t v) {
+    const ContactSurface& surface = *m.body.contacts.surface;
+    const Collider& c = m.collider;
+    Found found;
+    found.vertex[0] = v;
+    found.weight[0] = 1;
+    found.triangle = surface.triangle[std::size_t(v)];
+    found.edge_m = surface.edge_m[std::size_t(v)];
+    const Vec3 p1 = c.to_local1(m.end(v));
+    if (m.everywhere) {
+        const Distance at = contact::distance(m.shape(), p1);
+        if (at.d > surface.margin_m) return;
+        found.local = p1 - at.d * at.normal;
+        found.normal = at.normal;
+        return add_contact(m, found);
+    }
+    const Vec3 p0 = c.to_local0(m.start(v));
+    const Distance before = contact::distance(m.shape(), p0);
+    if ((p1 - p0).norm() > kSweepFrom * c.thinness_m) {
+        contact::Touch touch;
+        touch.point.at = before;
+        bool touches = before.d <= m.near_m && before.normal.dot(p1 - p0) < 0;  // already, and would go on through
+        if (before.d > m.near_m) {
+            const auto swept = contact::sweep_point(m.shape(), p0, p1, m.near_m);
+            touches = swept.has_value();
+            if (swept) touch = *swept;
+        }
+        if (touches && !from_inside(c.R0 * touch.point.at.normal, outward_of(m, found.triangle))) {
+            found.time = touch.time;
+            found.normal = touch.point.at.normal;
+            found.local = p0 + touch.time * (p1 - p0) - touch.point.at.d * found.normal;
+            return add_contact(m, found);
+        }
+    }
+    Distance at = contact::distance(m.shape(), p1);
+    if (at.d > surface.margin_m) return;
+    Vec3 p = p1;
+    if (before.d < 0 && before.normal.dot(at.normal) < 0.2) {  // it has passed the middle: back to where it came from
+        at = before;
+        p = p0;
+    }
+    found.local = p - at.d * at.normal;
+    found.normal = at.normal;
+    add_contact(m, found);
+}
+
+/// True if the point of a triangle with these weights pressed in the last step.
+bool remembered(const Meeting& m, const Triangle& triangle, const Vec3& weight) {
+    std::array<std::int32_t, 3> vertex{-1, -1, -1};
+    std::size_t count = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+        if (weight[Eigen::Index(k)] >= kCorner) vertex[count++] = triangle[k];
+    }
+    std::sort(vertex.begin(), vertex.begin() + std::ptrdiff_t(count));
+    const std::vector<ContactMemory>& memory = m.body.state.contacts;
+    const auto key = std::tie(m.slot, vertex);
+    const auto at = std::lower_bound(memory.begin(), memory.end(), key, [](const ContactMemory& a, const auto& b) { return std::tie(a.collider, a.vertex) < b; });
+    return at != memory.end() && std::tie(at->collider, at->vertex) == key;
+}
+
+/// The deepest point of a triangle, where that is not one of its vertices.
+void look_at_triangle(Meeting& m, std::int32_t triangle) {
+    const ContactSurface& surface = *m.body.contacts.surface;
+    const Collider& c = m.collider;
+    const Triangle& t = m.body.data().boundary.triangles[std::size_t(triangle)];
+    std::array<Vec3, 3> from, to;
+    double way = 0, edge = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+        from[k] = c.to_local0(m.start(t[k]));
+        to[k] = c.to_local1(m.end(t[k]));
+        way = std::max(way, (to[k] - from[k]).norm());
+        edge += surface.edge_m[std::size_t(t[k])] / 3;
+    }
+    Found found;
+    found.vertex = t;
+    found.triangle = triangle;
+    found.edge_m = edge;
+    contact::TrianglePoint point;
+    const std::array<Vec3, 3>* corner = &to;
+    std::array<Vec3, 3> on_the_way;
+    std::optional<contact::Touch> touch;
+    if (way > kSweepFrom * c.thinness_m) {
+        const contact::TrianglePoint before = contact::deepest_on_triangle(m.shape(), from[0], from[1], from[2]);
+        Vec3 along = Vec3::Zero();
+        for (std::size_t k = 0; k < 3; ++k) along += before.barycentric[Eigen::Index(k)] * (to[k] - from[k]);
+        if (before.at.d > m.near_m) {
+            touch = contact::sweep_triangle(m.shape(), from, to, m.near_m);
+        } else if (before.at.normal.dot(along) < 0) {  // already, and would go on through
+            touch = contact::Touch{0, before};
+        }
+    }
+    if (touch) {
+        for (std::size_t k = 0; k < 3; ++k) on_the_way[k] = from[k] + touch->time * (to[k] - from[k]);
+        corner = &on_the_way;
+        point = touch->point;
+        found.time = touch->time;
+    } else {
+        point = contact::deepest_on_triangle(m.shape(), to[0], to[1], to[2]);
+        if (point.at.d > surface.margin_m) return;
+    }
+    const Vec3& w = point.barycentric;
+    if (w.maxCoeff() > 1 - kCorner) return;  // a vertex: looked at by itself
+    const auto& p = *corner;
+    if (!touch) {
+        const double least = std::min({contact::distance(m.shape(), p[0]).d, contact::distance(m.shape(), p[1]).d, contact::distance(m.shape(), p[2]).d});
+        if (point.at.d > least - (remembered(m, t, w) ? 0.5 : 1.0) * kProtrudes * edge) return;  // about as deep at a corner
+    }
+    // Inside a triangle, contact is along its own normal, whatever edge or corner of the shape is there.
+    Vec3 normal = point.at.normal;
+    const Vec3 outward = (p[1] - p[0]).cross(p[2] - p[0]);
+    if (normal.dot(outward) > kFromInside * outward.norm()) return;
+    if (w.minCoeff() > kCorner && outward.norm() > 0 && normal.dot(outward) < 0) normal = -outward.normalized();
+    found.weight = {w[0], w[1], w[2]};
+    found.normal = normal;
+    found.local = w[0] * p[0] + w[1] * p[1] + w[2] * p[2] - point.at.d * normal;
+    add_contact(m, found);
+}
+
+auto key(const Contact& c) { return std::tie(c.collider, c.attachment, c.vertex); }
+
+/// As memory orders them.
+int compare(const Contact& c, const ContactMemory& m) {
+    if (c.collider != m.collider) return c.collider < m.collider ? -1 : 1;
+    for (std::size_t k = 0; k < 3; ++k) {
+        if (c.vertex[k] != m.vertex[k]) return c.vertex[k] < m.vertex[k] ? -1 : 1;
+    }
+    return 0;
+}
+
+/// Friction and stiffness of the last step. An edge that two triangles found is one contact.
+void sort_and_remember(const World::Impl& world, Body& body) {
+    std::vector<Contact>& list = body.contacts.list;
+    std::sort(list.begin(), list.end(), [](const Contact& a, const Contact& b) {
+        return std::tie(a.collider, a.attachment, a.vertex, a.triangle) < std::tie(b.collider, b.attachment, b.vertex, b.triangle);
+    });
+    list.erase(std::unique(list.begin(), list.end(), [](const Contact& a, const Contact& b) { return key(a) == key(b); }), list.end());
+    const std::vector<ContactMemory>& memory = body.state.contacts;
+    auto m = memory.begin();
+    for (Contact& c : list) {
+        if (c.attachment >= 0) continue;
+        while (m != memory.end() && compare(c, *m) > 0) ++m;
+        if (m == memory.end() || compare(c, *m) != 0 || m->generation != world.colliders[c.collider].generation) continue;
+        c.boost = m->boost;
+        const Vec3 friction(m->friction_n[0], m->friction_n[1], m->friction_n[2]);
+        const Collider& collider = world.colliders[c.collider];
+        const Vec3 turned = collider.R1 * (collider.R0.transpose() * friction);
+        c.memory_n = turned - c.normal.dot(turned) * c.normal;
+    }
+}
+
+}  // namespace
+
+ContactSurface::ContactSurface(const TemplateData& data)
+    : tree(data.boundary.triangles, data.mesh.vertices), triangle(data.mesh.vertices.size(), -1), edge_m(data.mesh.vertices.size(), 0.0), end(data.mesh.vertices) {
+    std::vector<int> count(triangle.size(), 0);
+    double sum = 0;
+    std::size_t edges = 0;
+    for (std::size_t t = 0; t < data.boundary.triangles.size(); ++t) {
+        const Triangle& corner = data.boundary.triangles[t];
+        for (std::size_t k = 0; k < 3; ++k) {
+            const auto a = std::size_t(corner[k]), b = std::size_t(corner[(k + 1) % 3]);
+            const double length = (data.mesh.vertices[a] - data.mesh.vertices[b]).norm();
+            for (const std::size_t v : {a, b}) {
+                edge_m[v] += length;
+                ++count[v];
+            }
+            if (triangle[a] < 0) triangle[a] = std::int32_t(t);
+            longest_edge_m = std::max(longest_edge_m, length);
+            sum += length;
+            ++edges;
+        }
+    }
+    for (std::size_t v = 0; v < edge_m.size(); ++v) edge_m[v] = count[v] > 0 ? edge_m[v] / count[v] : 0.0;
+    mean_edge_m = edges > 0 ? sum / double(edges) : 0;
+    margin_m = kMargin * mean_edge_m;
+}
+
+namespace {
+
+void find_touching(StepContext& ctx, Body& body) {
+    World::Impl& world = ctx.world;
+    ContactSurface& surface = *body.contacts.surface;
+    const Workspace& w = body.work;
+    Bounds box = Bounds::nothing();
+    for (const std::int32_t v : body.data().boundary_vertices) {
+        const auto i = std::size_t(v);
+        surface.end[i] = w.base_x[i] + w.h * (w.v0[i] + w.dv[i]);
+        box.include(surface.end[i]);
+        box.include(body.state.x[i]);
+    }
+    bool fitted = false;
+    for (std::uint32_t slot = 0; slot < world.colliders.size(); ++slot) {
+        Collider& collider = world.colliders[slot];
+        if (collider.generation == 0) continue;
+        const bool everywhere = std::holds_alternative<PlaneShape>(collider.def.shape);
+        const double reach = std::min(collider.thinness_m, surface.mean_edge_m);
+        Meeting m{ctx, body, collider, slot, {}, everywhere, kNear * reach};
+        if (!everywhere) {
+            m.swept = world_bounds(collider);
+            m.swept.grow(surface.margin_m);
+            if (!m.swept.overlaps(box)) continue;
+        }
+        for (const std::int32_t v : body.data().boundary_vertices) {
+            if (!everywhere) {
+                Bounds segment{m.start(v), m.start(v)};
+                segment.include(m.end(v));
+                if (!m.swept.overlaps(segment)) continue;
+            }
+            look_at_vertex(m, v);
+        }
+        if (everywhere || collider.feature_radius_m > kRoundEnough * surface.longest_edge_m) continue;
+        if (!fitted) surface.tree.refit(body.state.x, surface.end, surface.margin_m);
+        fitted = true;
+        surface.tree.overlapping(m.swept, [&](std::int32_t triangle) { look_at_triangle(m, triangle); });
+    }
+}
+
+}  // namespace
+
+void find_contacts(StepContext& ctx, BodyId id, Body& body) {
+    World::Impl& world = ctx.world;
+    body.contacts.list.clear();
+    refer_colliders(ctx);
+    if (world.living_colliders > 0) find_touching(ctx, body);
+    if (world.living_attachments > 0) find_attachments(ctx, id, body);
+    if (body.contacts.list.empty()) return;
+    sort_and_remember(world, body);
+    place_contacts(ctx, body);
+}
+
+}  // namespace supple
