@@ -15,7 +15,7 @@ int main(int argc, char** argv) {
     const std::filesystem::path file = std::filesystem::path(argc == 2 ? argv[1] : ".") / "liver.msh";
     try {
         const supple::VolumeMesh mesh = supple_assets::make_liver();
-        supple::io::write_gmsh(file, mesh);
+        supple::io::write_mesh(file, mesh);
         const supple::MeshQuality quality = supple::tet_mesh_quality(mesh);
         std::printf("%s: %zu tets, %zu vertices (%zu in \"ligament\"), dihedral angles %.1f to %.1f degrees\n", file.string().c_str(),
                     mesh.tets.size(), mesh.vertices.size(), mesh.groups[0].vertices.size(), quality.min_dihedral_deg,

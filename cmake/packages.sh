@@ -4,10 +4,11 @@
 
 SUPPLE_PACKAGES="
 g++ cmake ninja-build pkg-config
-libeigen3-dev libxsimd-dev nlohmann-json3-dev libcli11-dev
+libeigen3-dev libxsimd-dev nlohmann-json3-dev libcli11-dev zlib1g-dev libassimp-dev
 libepoxy-dev libstb-dev libegl-dev libegl1 libegl-mesa0 libgl1-mesa-dri fonts-dejavu-core
+libglfw3-dev libimgui-dev
 ffmpeg
-libgtest-dev
+libgtest-dev xvfb
 "
 
 # Prints those of the given packages that are not installed, one a line.

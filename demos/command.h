@@ -17,8 +17,12 @@ void add_eval_command(CLI::App& app, int& status);
 void add_inspect_command(CLI::App& app, int& status);
 void add_mesh_command(CLI::App& app, int& status);
 void add_verify_command(CLI::App& app, int& status);
+void add_view_command(CLI::App& app, int& status);
 
 /// --isa: forces an instruction set.
 void add_isa_option(CLI::App& command, ShowOptions& options);
+
+/// --size "1280x720". @error Error(invalid_argument) for anything else
+void read_size(const std::string& text, int& width, int& height);
 
 }  // namespace supple::demos

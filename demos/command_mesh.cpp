@@ -1,73 +1,152 @@
 #include <cstdio>
-#include <map>
 #include <memory>
 
 #include "command.h"
+#include "command_mesh_parts.h"
+#include "mesh_info.h"
 #include "output_files.h"
 #include "supple/base/error.h"
 #include "supple/io/mesh_file.h"
+#include "supple/io/mesh_formats.h"
+#include "supple/io/mesh_units.h"
+#include "supple/io/surface_file.h"
 #include "supple/mesh/surface.h"
 
 namespace supple::demos {
 namespace {
 
 struct MeshOptions {
-    std::string in, out;
+    std::string in, out, format;
     double scale = 1;
+    std::string unit = "m", up = "y";
+    bool as_json = false, keep_faults = false;
+
+    io::MeshUnits units() const { return {scale, unit, up}; }
 };
 
-void print_regions(const VolumeMesh& mesh) {
-    std::map<std::int32_t, std::size_t> elements;
-    for (const std::int32_t region : mesh.element_region) ++elements[region];
-    for (std::size_t i = 0; i < mesh.regions.size(); ++i)
-        std::printf("  region      %s (tag %d): %zu elements\n", mesh.regions[i].name.c_str(), mesh.regions[i].tag,
-                    elements[static_cast<std::int32_t>(i)]);
-    for (const VertexGroup& group : mesh.groups) std::printf("  group       %s: %zu vertices\n", group.name.c_str(), group.vertices.size());
+/// What a file holds: a volume mesh where it can be one, otherwise a surface.
+struct Content {
+    VolumeMesh volume;
+    mesh::TriangleMesh surface;
+    bool is_volume = true;
+};
+
+Content read(const MeshOptions& o) {
+    Content content;
+    try {
+        content.volume = io::read_mesh(o.in);
+        o.units().apply(content.volume.vertices);
+    } catch (const Error& error) {
+        if (error.code() != ErrorCode::surface_mesh) throw;
+        content.is_volume = false;
+        content.surface = io::read_surface(o.in);
+        o.units().apply(content.surface.vertices);
+    }
+    return content;
 }
 
 int info(const MeshOptions& o) {
-    VolumeMesh mesh = io::read_mesh(o.in);
-    const MeshReport report = check_and_repair(mesh);
-    const BoundarySurface boundary = extract_boundary(mesh);
-    const Vec3 size = report.max_m - report.min_m;
-    std::printf("%s\n", o.in.c_str());
-    std::printf("  vertices    %zu\n  tets        %zu\n  hexes       %zu\n", mesh.vertices.size(), mesh.tets.size(), mesh.hexes.size());
-    std::printf("  boundary    %zu triangles\n  components  %zu\n", boundary.triangles.size(), report.components);
-    std::printf("  box         %.6g %.6g %.6g .. %.6g %.6g %.6g (size %.6g %.6g %.6g)\n", report.min_m.x(), report.min_m.y(), report.min_m.z(),
-                report.max_m.x(), report.max_m.y(), report.max_m.z(), size.x(), size.y(), size.z());
-    std::printf("  volume      %.9g\n", report.volume_m3);
-    print_regions(mesh);
-    for (const std::string& sentence : report.sentences()) std::printf("  found       %s\n", sentence.c_str());
-    if (report.sentences().empty()) std::printf("  found       nothing to repair\n");
+    Content content = read(o);
+    const std::string text =
+        content.is_volume ? describe(std::move(content.volume), o.in, o.as_json) : describe(content.surface, o.in, o.as_json);
+    std::fputs(text.c_str(), stdout);
     return kAllWell;
 }
 
+/// The boundary of a volume mesh as a surface of its own.
+mesh::TriangleMesh boundary_of(const VolumeMesh& mesh) {
+    mesh::TriangleMesh surface{{}, extract_boundary(mesh).triangles};
+    std::vector<std::int32_t> number(mesh.vertices.size(), -1);
+    for (const Triangle& t : surface.triangles)
+        for (const std::int32_t v : t) number[std::size_t(v)] = 0;
+    for (std::size_t v = 0; v < number.size(); ++v) {
+        if (number[v] < 0) continue;
+        number[v] = std::int32_t(surface.vertices.size());
+        surface.vertices.push_back(mesh.vertices[v]);
+    }
+    for (Triangle& t : surface.triangles)
+        for (std::int32_t& v : t) v = number[std::size_t(v)];
+    return surface;
+}
+
+/// Whether the output is a surface format.
+bool writes_surface(const MeshOptions& o) {
+    try {
+        io::choose_surface_format(o.out, o.format);
+        return true;
+    } catch (const Error&) {
+        return false;
+    }
+}
+
 int convert(const MeshOptions& o) {
-    const std::string ending = std::filesystem::path(o.out).extension().string();
-    if (ending != ".msh")
-        throw Error(ErrorCode::unsupported, o.out, "the ending \"" + ending + "\" is unknown; this version writes Gmsh 2.2 (.msh)");
+    const bool to_surface = writes_surface(o);
+    if (!to_surface) io::choose_volume_format(o.out, o.format);  // an unknown one is refused before any work
     require_writable(o.out);
-    VolumeMesh mesh = io::read_mesh(o.in);
-    for (const std::string& sentence : check_and_repair(mesh).sentences()) std::fprintf(stderr, "supple: %s: %s\n", o.in.c_str(), sentence.c_str());
-    for (Vec3& x : mesh.vertices) x *= o.scale;
-    io::write_gmsh(o.out, mesh);
+    Content content = read(o);
+    if (!content.is_volume) {
+        if (!to_surface)
+            throw Error(ErrorCode::surface_mesh, o.in,
+                        "this is a surface, and " + o.out + " holds a volume mesh; fill it first (`supple mesh cook`), or write .obj, .stl, .ply or .off");
+        io::write_surface(o.out, content.surface, o.format);
+        return kAllWell;
+    }
+    VolumeMesh& mesh = content.volume;
+    if (!o.keep_faults)
+        for (const std::string& sentence : check_and_repair(mesh).sentences())
+            std::fprintf(stderr, "supple: %s: %s\n", o.in.c_str(), sentence.c_str());
+    if (to_surface) {
+        io::write_surface(o.out, boundary_of(mesh), o.format);
+        return kAllWell;
+    }
+    const io::OutputFormat& format = io::choose_volume_format(o.out, o.format);
+    if (!format.loses.empty() && !(mesh.regions.empty() && mesh.groups.empty()))
+        std::fprintf(stderr, "supple: %s: %s files cannot hold %s\n", o.out.c_str(), std::string(format.title).c_str(), std::string(format.loses).c_str());
+    format.write(o.out, mesh);
     return kAllWell;
+}
+
+int list_formats() {
+    std::printf("read:\n");
+    for (const io::InputFormat& f : io::input_formats())
+        if (f.read || f.read_surface)
+            std::printf("  %-20s %s%s\n", std::string(f.endings).c_str(), std::string(f.title).c_str(), f.is_surface ? " (surfaces)" : "");
+    std::printf("written (convert --format NAME; without it the first of the ending):\n");
+    for (const io::OutputFormat& f : io::output_formats())
+        std::printf("  %-20s %-11s %s%s\n", std::string(f.key).c_str(), std::string(f.endings).c_str(), std::string(f.title).c_str(),
+                    f.write ? "" : " (surfaces)");
+    return kAllWell;
+}
+
+void add_units(CLI::App& command, MeshOptions& o) {
+    command.add_option("--scale", o.scale, "length multiplier [1]")->check(CLI::PositiveNumber);
+    command.add_option("--units", o.unit, "of the file's lengths: m, dm, cm, mm, um, km, in, ft [m]");
+    command.add_option("--up", o.up, "the file's axis that points up and becomes y: x, y, z, -x, -y, -z [y]");
 }
 
 }  // namespace
 
 void add_mesh_command(CLI::App& app, int& status) {
-    CLI::App* mesh = app.add_subcommand("mesh", "look at and convert volume meshes");
+    CLI::App* mesh = app.add_subcommand("mesh", "look at and convert volume and surface meshes");
     mesh->require_subcommand(1);
+    add_mesh_cook_command(*mesh, status);
+    add_mesh_skin_command(*mesh, status);
+    add_mesh_refine_command(*mesh, status);
     auto o = std::make_shared<MeshOptions>();
-    CLI::App* info_command = mesh->add_subcommand("info", "count, measure and check a mesh");
+    CLI::App* info_command = mesh->add_subcommand("info", "count, measure and check a mesh or a surface");
     info_command->add_option("file", o->in, "mesh file")->required();
+    info_command->add_flag("--json", o->as_json, "as JSON");
+    add_units(*info_command, *o);
     info_command->callback([o, &status] { status = info(*o); });
-    CLI::App* convert_command = mesh->add_subcommand("convert", "repair a mesh and write it as Gmsh 2.2");
+    CLI::App* convert_command = mesh->add_subcommand("convert", "repair a mesh and write it in another format; a surface format gets a volume's boundary");
     convert_command->add_option("in", o->in, "mesh file")->required();
-    convert_command->add_option("out", o->out, "file to write, *.msh")->required();
-    convert_command->add_option("--scale", o->scale, "length multiplier [1]")->check(CLI::PositiveNumber);
+    convert_command->add_option("out", o->out, "file to write")->required();
+    convert_command->add_option("--format", o->format, "one that `supple mesh formats` names [by the ending of the file]");
+    convert_command->add_flag("--keep-faults", o->keep_faults, "do not repair inverted, flat and repeated elements");
+    add_units(*convert_command, *o);
     convert_command->callback([o, &status] { status = convert(*o); });
+    CLI::App* formats_command = mesh->add_subcommand("formats", "list what is read and written");
+    formats_command->callback([&status] { status = list_formats(); });
 }
 
 }  // namespace supple::demos

@@ -7,6 +7,7 @@
 
 #include "command.h"
 #include "frame_builder.h"
+#include "hud.h"
 #include "open_show.h"
 #include "output_files.h"
 #include "progress.h"
@@ -79,12 +80,6 @@ private:
     std::optional<VideoWriter> video_;
 };
 
-void read_size(const std::string& text, int& width, int& height) {
-    int used = 0;
-    if (std::sscanf(text.c_str(), "%5dx%5d%n", &width, &height, &used) != 2 || used != static_cast<int>(text.size()))
-        throw Error(ErrorCode::invalid_argument, "--size " + text, "is not WIDTHxHEIGHT, e.g. 1280x720");
-}
-
 std::array<double, 2> read_range(const std::string& text) {
     double low = 0, high = 0;
     int used = 0;
@@ -93,30 +88,6 @@ std::array<double, 2> read_range(const std::string& text) {
         throw Error(ErrorCode::invalid_argument, "--range " + text, "is not LOW,HIGH in Pa with LOW below HIGH, e.g. 0,5000");
     return {low, high};
 }
-
-/// What the line at the top left says: the median of the last steps, so that the digits can be read.
-class Hud {
-public:
-    explicit Hud(const World& world) : summary_(summary_of(world)) {}
-    void add(const StepReport& report) {
-        last_ms_.push_back(report.step_ms);
-        last_iterations_.push_back(report.cg_iterations);
-        if (last_ms_.size() <= kWindow) return;
-        last_ms_.erase(last_ms_.begin());
-        last_iterations_.erase(last_iterations_.begin());
-    }
-    std::string text() const {
-        char line[160];
-        std::snprintf(line, sizeof line, "step %.1f ms   %.0f iterations   %zu elements   %d thread%s", io::median(last_ms_),
-                      io::median(last_iterations_), summary_.elements, summary_.threads, summary_.threads == 1 ? "" : "s");
-        return line;
-    }
-
-private:
-    static constexpr std::size_t kWindow = 30;
-    io::RunSummary summary_;
-    std::vector<double> last_ms_, last_iterations_;
-};
 
 void print_report(const RecordOptions& o, const HeadlessContext& context, const World& world, const StepStatistics& steps,
                   const std::vector<double>& frame_ms) {
@@ -178,6 +149,12 @@ int record(RecordOptions o) {
 }
 
 }  // namespace
+
+void read_size(const std::string& text, int& width, int& height) {
+    int used = 0;
+    if (std::sscanf(text.c_str(), "%5dx%5d%n", &width, &height, &used) != 2 || used != static_cast<int>(text.size()))
+        throw Error(ErrorCode::invalid_argument, "--size " + text, "is not WIDTHxHEIGHT, e.g. 1280x720");
+}
 
 void add_record_command(CLI::App& app, int& status) {
     auto o = std::make_shared<RecordOptions>();

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <memory>
@@ -11,6 +12,7 @@
 #include "supple/base/error.h"
 #include "supple/io/binary_file.h"
 #include "supple/io/probe_table.h"
+#include "supple/io/result_export.h"
 #include "supple/io/text_files.h"
 
 namespace supple::demos {
@@ -22,8 +24,32 @@ struct RunOptions {
     bool steps_given = false;
     ShowOptions show;
     std::string report, positions, velocities, save, restore, probes;
+    std::string export_to;
+    std::size_t export_every = 0;  ///< 0: about 30 frames a second of simulated time
     StressOptions stress;
     bool quiet = false;
+};
+
+/// Writes the results of every so many steps, the start included, and of the last one.
+class Exporter {
+public:
+    Exporter(const RunOptions& o, const World& world) {
+        if (o.export_to.empty()) return;
+        out_ = io::ResultExport::open(o.export_to, world, o.export_every > 0);
+        const auto automatic = std::size_t(std::max(1LL, std::llround(1 / (30 * world.def().time_step_s))));
+        every_ = o.export_every > 0 ? o.export_every : automatic;
+        out_->add_frame(world);
+    }
+    void after_step(const World& world, std::size_t steps_done, std::size_t steps) {
+        if (out_ && (steps_done % every_ == 0 || steps_done == steps)) out_->add_frame(world);
+    }
+    void finish() {
+        if (out_) out_->finish();
+    }
+
+private:
+    std::unique_ptr<io::ResultExport> out_;
+    std::size_t every_ = 1;
 };
 
 void check(const RunOptions& o) {
@@ -101,6 +127,7 @@ int run(const RunOptions& o) {
     StepStatistics statistics;
     std::vector<Probe> probes = o.probes.empty() ? std::vector<Probe>{} : probes_of(*opened.show);
     io::ProbeTable table;
+    Exporter exporter(o, world);
     {
         Progress progress(opened.name, steps, o.quiet);
         for (std::size_t i = 0; i < steps; ++i) {
@@ -110,9 +137,11 @@ int run(const RunOptions& o) {
                 probe.read(world);
                 table.add(world, probe);
             }
+            exporter.after_step(world, i + 1, steps);
             progress.show(i + 1);
         }
     }
+    exporter.finish();
     write_results(o, world, statistics);
     if (!o.probes.empty()) table.write(o.probes);
     if (!o.quiet) print_summary(opened.name, world, statistics);
@@ -134,6 +163,11 @@ void add_run_command(CLI::App& app, int& status) {
     command->add_option("--velocities", o->velocities, "write the final velocities [m/s]");
     o->stress.add(*command);
     command->add_option("--probes", o->probes, "write the readings of the scene's probes (or of one over each body) after each step, as CSV");
+    command->add_option("--export", o->export_to,
+                        "write results for other programs: a folder or FILE.pvd (VTU series for ParaView), FILE.vtu (last state), FILE.glb or .gltf (animation), "
+                        "FILE.obj .ply .stl .off (deformed surface)");
+    command->add_option("--export-every", o->export_every, "steps between exported frames [about 30 frames a simulated second]; surfaces: a file per frame")
+        ->check(CLI::Range(1, 1000000000));
     command->add_option("--save", o->save, "write a snapshot after the last step");
     command->add_option("--restore", o->restore, "begin from a snapshot of the same scene");
     command->add_flag("--quiet", o->quiet, "no progress bar and no summary");

@@ -21,6 +21,7 @@ public:
     virtual ~Show() = default;
     virtual World& world() = 0;
     virtual void before_step() {}                    ///< scripted touch; simulated time is world().time_s()
+    virtual void let_go() {}                         ///< ends the scripted touch for good: a person takes over
     virtual void decorate(FrameView& view) { (void)view; }  ///< camera, caption, colour range, arrows; surfaces are already there
     virtual ColorBy color_by() const { return ColorBy::stress; }  ///< at this moment, unless the command line says otherwise
     virtual std::vector<Probe> make_probes() { return {}; }  ///< what `run --probes` watches; none: every body as a whole
@@ -31,6 +32,7 @@ public:
 struct ShowOptions {
     int threads = 0;
     std::optional<Isa> isa{};  ///< empty: the widest
+    int refine = 0;            ///< times that the meshes of a scene file are refined
 };
 
 /// A demo. Each lives in one file of demos/ and registers itself with a `const RegisterDemo`.

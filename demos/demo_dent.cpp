@@ -1,4 +1,4 @@
-// Two slabs are pressed by the same tool: one is elastic and comes back, the other flows and keeps its dent.
+// Three slabs are pressed by the same tool: one is elastic and comes back, the others, of tetrahedra and of hexahedra, flow and keep their dents.
 #include "demo.h"
 #include "framing.h"
 #include "supple/mesh/box_mesh.h"
@@ -31,59 +31,66 @@ Touch press(double begin_s, double x_m, const char* caption) {
     return touch;
 }
 
+struct Slab {
+    const char* name;
+    bool plastic, hexes;
+    double centre_m() const { return (plastic ? hexes ? 1 : 0 : -1) * kGap_m; }
+};
+
+constexpr Slab kSlabs[] = {{"elastic", false, false}, {"plastic, tetrahedra", true, false}, {"plastic, hexahedra", true, true}};
+
+BodyDef body_of(const Slab& slab) {
+    const BoxDef box{.min_m = Vec3(-kWidth_m / 2, 0, -kWidth_m / 2), .max_m = Vec3(kWidth_m / 2, kHeight_m, kWidth_m / 2), .cells = {20, 6, 20}};
+    Corotational clay{.young_pa = 4e4, .poisson = 0.4};
+    if (slab.plastic) clay.plasticity = {.yield = 0.02, .max = 0.6, .creep_1_s = 30};
+    BodyDef def;
+    def.name = slab.name;
+    def.shape = BodyTemplate::build(slab.hexes ? make_hex_box(box) : make_tet_box(box));
+    def.material = clay;
+    def.density_kg_m3 = 1200;
+    def.translation_m = Vec3(slab.centre_m(), 0, 0);
+    return def;
+}
+
 class Dent : public Show {
 public:
     explicit Dent(const ShowOptions& options) : world_(world_def(options)) {
-        const auto slab = BodyTemplate::build(make_tet_box({.min_m = Vec3(-kWidth_m / 2, 0, -kWidth_m / 2),
-                                                            .max_m = Vec3(kWidth_m / 2, kHeight_m, kWidth_m / 2), .cells = {20, 6, 20}}));
-        for (const bool plastic : {false, true}) {
-            BodyDef def;
-            def.name = plastic ? "plastic" : "elastic";
-            def.shape = slab;
-            Corotational clay{.young_pa = 4e4, .poisson = 0.4};
-            if (plastic) clay.plasticity = {.yield = 0.02, .max = 0.6, .creep_1_s = 30};
-            def.material = clay;
-            def.density_kg_m3 = 1200;
-            def.translation_m = Vec3(centre(plastic), 0, 0);
-            const BodyId body = world_.add_body(def);
-            world_.fix(body, InsideBox{Vec3(-1, -1, -1), Vec3(1, 1e-9, 1)});
-        }
-        script_ = std::make_unique<TouchScript>(world_, std::vector<Touch>{press(1.2, centre(false), "Elastic: pressed, then let go"),
-                                                                           press(4.6, centre(true), "With a yield strain of 2 %: the same press")}, 0.08, 20.0);
+        for (const Slab& slab : kSlabs) world_.fix(world_.add_body(body_of(slab)), InsideBox{Vec3(-1, -1, -1), Vec3(1, 1e-9, 1)});
+        script_ = std::make_unique<TouchScript>(world_, std::vector<Touch>{press(1.2, kSlabs[0].centre_m(), "Elastic: pressed, then let go"),
+                                                                           press(4.2, kSlabs[1].centre_m(), "With a yield strain of 2 %: the same press"),
+                                                                           press(7.2, kSlabs[2].centre_m(), "The same in hexahedra")}, 0.08, 20.0);
         SceneBounds bounds;
-        bounds.include(Vec3(-kGap_m / 2 - kWidth_m / 2, 0, -kWidth_m / 2));
-        bounds.include(Vec3(kGap_m / 2 + kWidth_m / 2, kHeight_m + 0.08, kWidth_m / 2));
+        bounds.include(Vec3(kSlabs[0].centre_m() - kWidth_m / 2, 0, -kWidth_m / 2));
+        bounds.include(Vec3(kSlabs[2].centre_m() + kWidth_m / 2, kHeight_m + 0.08, kWidth_m / 2));
         camera_ = frame_camera(bounds, Vec3(0.1, 0.6, 1), 32);
         camera_.eye_m = camera_.target_m + 0.72 * (camera_.eye_m - camera_.target_m);  // a wide, flat scene
         camera_.target_m.y() -= 0.025;
     }
 
     World& world() override { return world_; }
-    double duration_s() const override { return 9; }
+    double duration_s() const override { return 11.5; }
     void before_step() override { script_->before_step(); }
+    void let_go() override { script_->let_go(); }
 
     void decorate(FrameView& view) override {
         const double t = world_.time_s();
         view.camera = camera_;
         view.ground_height_m = 0.0;
         for (SurfaceView& surface : view.surfaces) surface.look = Look::rubber;
-        view.labels.push_back({Vec3(centre(false), 0.0, kWidth_m / 2 + 0.02), "elastic"});
-        view.labels.push_back({Vec3(centre(true), 0.0, kWidth_m / 2 + 0.02), "plastic"});
-        view.caption = t < 1.2 ? "Two slabs, equally stiff; the right one flows where it is strained beyond 2 %"
-                               : "The elastic slab came back; the other keeps its dent and the stress locked in around it";
+        for (const Slab& slab : kSlabs) view.labels.push_back({Vec3(slab.centre_m(), 0.0, kWidth_m / 2 + 0.02), slab.name});
+        view.caption = t < 1.2 ? "Three slabs, equally stiff; two of them flow where they are strained beyond 2 %"
+                               : "The elastic slab came back; the others keep their dents and the stress locked in around them";
         if (view.scale) view.scale->high = 1e4;
         script_->decorate(view);
     }
 
 private:
-    static double centre(bool plastic) { return plastic ? kGap_m / 2 : -kGap_m / 2; }
-
     World world_;
     std::unique_ptr<TouchScript> script_;
     Camera camera_;
 };
 
-const RegisterDemo demo({"dent", "plastic flow: a pressed slab keeps its dent beside one that comes back",
+const RegisterDemo demo({"dent", "plastic flow: pressed slabs of tetrahedra and of hexahedra keep their dents beside one that comes back",
                          [](const ShowOptions& options) { return std::make_unique<Dent>(options); }});
 
 }  // namespace

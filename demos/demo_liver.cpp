@@ -90,6 +90,7 @@ public:
     World& world() override { return world_; }
     double duration_s() const override { return 10; }
     void before_step() override { script_.before_step(); }
+    void let_go() override { script_.let_go(); }
 
     void decorate(FrameView& view) override {
         const double t = world_.time_s();

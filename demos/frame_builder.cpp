@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "framing.h"
 #include "supple/io/report.h"
@@ -73,11 +74,38 @@ FrameBuilder::FrameBuilder(Show& show, FrameOptions options)
     centre_ = 0.5 * (bounds.min_m + bounds.max_m);
 }
 
-void FrameBuilder::add_stress(std::size_t b, SurfaceView& surface, std::vector<double>& stresses) {
+std::span<const double> FrameBuilder::on_surface(std::size_t b, const Skin* skin, std::span<const double> per_vertex) {
+    if (skin == nullptr) return per_vertex;
+    on_skin_[b].resize(skin->embedding().size());
+    skin->embedding().interpolate(per_vertex, on_skin_[b]);
+    return on_skin_[b];
+}
+
+/// The skin where there is one: what the simulation moves, not what it computes on. A wireframe shows that instead.
+SurfaceView FrameBuilder::make_surface(std::size_t b, const Skin* skin) {
+    const BodyTemplate& shape = show_->world().shape(show_->world().bodies()[b]);
+    SurfaceView surface;
+    if (skin != nullptr) {
+        skin_[b].resize(skin->embedding().size());
+        skin->embedding().deform(positions_[b], skin_[b]);
+        surface.positions = skin_[b];
+        surface.triangles = skin->surface().triangles;
+        surface.reference_positions = skin->surface().vertices;
+    } else {
+        surface.positions = positions_[b];
+        surface.triangles = shape.boundary().triangles;
+        surface.reference_positions = shape.mesh().vertices;
+    }
+    if (options_.wireframe) surface.edges = shape.boundary().edges;
+    if (options_.opacity) surface.opacity = *options_.opacity;
+    return surface;
+}
+
+void FrameBuilder::add_stress(std::size_t b, const Skin* skin, SurfaceView& surface, std::vector<double>& stresses) {
     const World& world = show_->world();
     const BodyId body = world.bodies()[b];
     if (options_.stress_at == FrameOptions::At::vertex) {
-        surface.scalar = world.von_mises(body);
+        surface.scalar = on_surface(b, skin, world.von_mises(body));
         stresses.insert(stresses.end(), surface.scalar.begin(), surface.scalar.end());
         return;
     }
@@ -85,7 +113,11 @@ void FrameBuilder::add_stress(std::size_t b, SurfaceView& surface, std::vector<d
     stresses.insert(stresses.end(), elements.begin(), elements.end());
     if (options_.stress_at == FrameOptions::At::element) {
         flat_[b].clear();
-        for (const std::int32_t e : world.shape(body).boundary().element) flat_[b].push_back(elements[std::size_t(e)]);
+        if (skin != nullptr) {
+            for (const Triangle& t : skin->surface().triangles) flat_[b].push_back(elements[std::size_t(skin->embedding().elements()[std::size_t(t[0])])]);
+        } else {
+            for (const std::int32_t e : world.shape(body).boundary().element) flat_[b].push_back(elements[std::size_t(e)]);
+        }
         surface.triangle_scalar = flat_[b];
         return;
     }
@@ -103,12 +135,12 @@ void FrameBuilder::add_stress(std::size_t b, SurfaceView& surface, std::vector<d
     surface.color = {0.80f, 0.82f, 0.85f};  // glass: the colours of the points stay what they are
 }
 
-const FrameView& FrameBuilder::build(double alpha, const std::string& hud, double elapsed_s) {
+FrameView& FrameBuilder::build(double alpha, const std::string& hud, double elapsed_s) {
     const World& world = show_->world();
     const std::vector<BodyId> bodies = world.bodies();
     view_ = FrameView{};
-    for (auto* lists : {&positions_, &centres_}) lists->resize(bodies.size());
-    for (auto* lists : {&flat_, &stiffness_}) lists->resize(bodies.size());
+    for (auto* lists : {&positions_, &centres_, &skin_}) lists->resize(bodies.size());
+    for (auto* lists : {&flat_, &stiffness_, &on_skin_}) lists->resize(bodies.size());
     const ColorBy by = options_.color_by.value_or(show_->color_by());
     std::vector<double> stresses;
     double stiffest = 0;
@@ -117,17 +149,13 @@ const FrameView& FrameBuilder::build(double alpha, const std::string& hud, doubl
         positions_[b].resize(now.size());
         for (std::size_t v = 0; v < now.size(); ++v) positions_[b][v] = (1 - alpha) * before[v] + alpha * now[v];
 
-        const BoundarySurface& boundary = world.shape(bodies[b]).boundary();
-        SurfaceView surface;
-        surface.positions = positions_[b];
-        surface.triangles = boundary.triangles;
-        surface.reference_positions = world.shape(bodies[b]).mesh().vertices;
-        if (options_.wireframe) surface.edges = boundary.edges;
-        if (options_.opacity) surface.opacity = *options_.opacity;
-        if (by == ColorBy::stress) add_stress(b, surface, stresses);
+        const std::shared_ptr<const Skin> held = world.skin(bodies[b]);
+        const Skin* skin = options_.wireframe ? nullptr : held.get();
+        SurfaceView surface = make_surface(b, skin);
+        if (by == ColorBy::stress) add_stress(b, skin, surface, stresses);
         if (by == ColorBy::stiffness) {
             stiffness_[b] = vertex_stiffness(world, bodies[b]);
-            surface.scalar = stiffness_[b];
+            surface.scalar = on_surface(b, skin, stiffness_[b]);
             for (const double young : stiffness_[b]) stiffest = std::max(stiffest, young);
         }
         view_.surfaces.push_back(surface);
@@ -150,7 +178,9 @@ const FrameView& FrameBuilder::build(double alpha, const std::string& hud, doubl
         add_contact_arrows(world, 4 * size_m_ / std::max(weight_n, 1e-3), view_);  // a tenth of the weight is as long as 0.4 of the scene
     }
     view_.hud = hud;
+    const std::optional<ColorScale> automatic = view_.scale;
     show_->decorate(view_);
+    if (view_.scale && automatic && options_.automatic_range) view_.scale = automatic;
     if (view_.scale) view_.scale->map = options_.map;
     if (view_.scale && options_.range_pa) {
         view_.scale->low = (*options_.range_pa)[0];

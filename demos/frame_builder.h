@@ -14,7 +14,8 @@ struct FrameOptions {
     std::optional<ColorBy> color_by;  ///< none: what the show wants
     enum class At { vertex, element, point };
     At stress_at = At::vertex; ///< smooth; flat per element; points at the centres of the elements in a translucent body
-    std::optional<std::array<double, 2>> range_pa;  ///< of the colours; empty: automatic
+    std::optional<std::array<double, 2>> range_pa;  ///< of the colours; empty: the show's, or automatic
+    bool automatic_range = false;                   ///< also where the show sets one
     std::optional<double> opacity;                  ///< of the bodies; empty: 1, for points 0.25
     bool wireframe = false;
     bool contacts = false;     ///< arrows for the forces of contacts
@@ -40,7 +41,9 @@ public:
     /// @param alpha        0 = before the last step, 1 = after it
     /// @param hud          the line at the top left
     /// @param elapsed_s    simulated time since the last picture
-    const FrameView& build(double alpha, const std::string& hud, double elapsed_s);
+    FrameView& build(double alpha, const std::string& hud, double elapsed_s);
+
+    FrameOptions& options() { return options_; }  ///< for the next picture
 
 private:
     Show* show_;
@@ -50,10 +53,13 @@ private:
     ColliderView colliders_;
     StressRange range_;
     FrameView view_;
-    std::vector<std::vector<Vec3>> positions_, centres_;
-    std::vector<std::vector<double>> flat_, stiffness_;  ///< per body: of triangles, of vertices
+    std::vector<std::vector<Vec3>> positions_, centres_, skin_;
+    std::vector<std::vector<double>> flat_, stiffness_, on_skin_;  ///< per body: of triangles, of vertices, of skin vertices
 
-    void add_stress(std::size_t b, SurfaceView& surface, std::vector<double>& stresses);
+    void add_stress(std::size_t b, const Skin* skin, SurfaceView& surface, std::vector<double>& stresses);
+    SurfaceView make_surface(std::size_t b, const Skin* skin);
+    /// A number per vertex of the mesh on the surface that is drawn.
+    std::span<const double> on_surface(std::size_t b, const Skin* skin, std::span<const double> per_vertex);
 };
 
 }  // namespace supple::demos

@@ -23,14 +23,14 @@ std::string processor_name() {
     return "unknown processor";
 }
 
-/// Best of five passes over the buffer [GB/s]. Sums of integers, so that the compiler may use its widest loads.
-double read_gb_s(const std::vector<std::uint64_t>& buffer, int threads) {
+/// Best of so many passes over the buffer [GB/s]. Sums of integers, so that the compiler may use its widest loads.
+double read_gb_s(const std::vector<std::uint64_t>& buffer, int threads, int passes) {
     constexpr std::size_t kChunks = 64;
     const std::size_t grain = buffer.size() / kChunks;
     std::array<std::uint64_t, kChunks> sums{};
     double best_ms = 1e300;
-    for (int pass = 0; pass < 5; ++pass) {
-        with_team(threads, [&](Team& team) {
+    with_team(threads, [&](Team& team) {
+        for (int pass = 0; pass < passes; ++pass) {
             const Stopwatch watch;
             team.for_chunks(kChunks, [&](std::size_t chunk) {
                 std::uint64_t sum = sums[chunk];
@@ -38,8 +38,8 @@ double read_gb_s(const std::vector<std::uint64_t>& buffer, int threads) {
                 sums[chunk] = sum;
             });
             best_ms = std::min(best_ms, watch.ms());
-        });
-    }
+        }
+    });
     std::uint64_t total = 0;
     for (const std::uint64_t sum : sums) total += sum;
     volatile std::uint64_t sink = total;  // the sums must not be optimised away
@@ -51,8 +51,8 @@ double read_gb_s(const std::vector<std::uint64_t>& buffer, int threads) {
 
 std::string Machine::line() const {
     char text[256];
-    std::snprintf(text, sizeof text, "%s, %d core%s, memory read %.0f GB/s on one, %.0f GB/s on all", processor.c_str(), cores,
-                  cores == 1 ? "" : "s", read_one_gb_s, read_all_gb_s);
+    std::snprintf(text, sizeof text, "%s, %d core%s, memory read %.0f GB/s on one, %.0f GB/s on all; cache %.0f and %.0f GB/s", processor.c_str(), cores,
+                  cores == 1 ? "" : "s", read_one_gb_s, read_all_gb_s, cache_one_gb_s, cache_all_gb_s);
     return text;
 }
 
@@ -60,9 +60,11 @@ Machine measure_machine() {
     Machine machine;
     machine.processor = processor_name();
     machine.cores = hardware_threads();
-    const std::vector<std::uint64_t> buffer(std::size_t(256) << 17, 1);  // 256 MB
-    machine.read_one_gb_s = read_gb_s(buffer, 1);
-    machine.read_all_gb_s = read_gb_s(buffer, machine.cores);
+    const std::vector<std::uint64_t> memory(std::size_t(256) << 17, 1), cache(std::size_t(10) << 17, 1);  // 256 and 10 MB
+    machine.read_one_gb_s = read_gb_s(memory, 1, 5);
+    machine.read_all_gb_s = read_gb_s(memory, machine.cores, 5);
+    machine.cache_one_gb_s = read_gb_s(cache, 1, 100);
+    machine.cache_all_gb_s = read_gb_s(cache, machine.cores, 100);
     return machine;
 }
 

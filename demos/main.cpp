@@ -30,6 +30,7 @@ int main(int argc, char** argv) {
     add_inspect_command(app, status);
     add_mesh_command(app, status);
     add_verify_command(app, status);
+    add_view_command(app, status);
     const auto is_command = [&](const std::string& word) {
         for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
             if (command->get_name() == word) return true;

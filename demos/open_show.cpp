@@ -56,10 +56,13 @@ std::string demo_names() {
 
 OpenedShow open_show(const std::string& scene, const ShowOptions& options) {
     for (const Demo& demo : all_demos())
+        if (demo.name == scene && options.refine > 0)
+            throw Error(ErrorCode::invalid_argument, "--refine", "\"" + scene + "\" is a demo, which brings its own meshes; scene files and the standard bars can be refined");
+    for (const Demo& demo : all_demos())
         if (demo.name == scene) return {demo.name, true, demo.make(options)};
     if (!fs::exists(scene))
         throw Error(ErrorCode::invalid_argument, scene, "is neither a scene file nor a demo; the demos are: " + demo_names());
-    io::Scene read = io::read_scene(scene);
+    io::Scene read = io::read_scene(scene, options.refine);
     if (options.threads > 0) read.world.threads = options.threads;
     if (options.isa) read.world.isa = options.isa;
     const std::string name = fs::path(scene).stem().string();

@@ -4,7 +4,6 @@
 #include <cstdio>
 #include <numeric>
 
-
 #include "supple/base/parallel.h"
 #include "supple/math/isa.h"
 
@@ -20,6 +19,11 @@ void StepStatistics::add(const World& world, const StepReport& report) {
     for (std::size_t s = 0; s < kStageCount; ++s) stage_ms_[s].push_back(report.stage_ms[s]);
     iterations_.push_back(report.cg_iterations);
     residuals_.push_back(report.cg_relative_residual);
+    add_untimed(world, report);
+}
+
+void StepStatistics::add_untimed(const World& world, const StepReport& report) {
+    ++seen_;
     for (const StepFlag flag : kAllStepFlags) {
         if ((report.flags & flag) == StepFlag::none) continue;
         auto record = std::find_if(flags_.begin(), flags_.end(), [&](const FlagRecord& r) { return r.flag == flag; });
@@ -54,7 +58,7 @@ std::string StepStatistics::flag_sentences() const {
     for (const FlagRecord& r : flags_) {
         text += "flag " + std::string(name(r.flag));
         for (std::size_t i = 0; i < r.bodies.size(); ++i) text += (i == 0 ? " on " : ", ") + r.bodies[i];
-        text += ", first at step " + std::to_string(r.first_step) + ", in " + std::to_string(r.steps) + " of " + std::to_string(steps()) +
+        text += ", first at step " + std::to_string(r.first_step) + ", in " + std::to_string(r.steps) + " of " + std::to_string(seen_) +
                 " steps: " + std::string(cure(r.flag)) + "\n";
     }
     return text;

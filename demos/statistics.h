@@ -21,6 +21,8 @@ struct FlagRecord {
 class StepStatistics {
 public:
     void add(const World& world, const StepReport& report);
+    /// Takes in the flags alone.
+    void add_untimed(const World& world, const StepReport& report);
 
     std::size_t steps() const { return step_ms_.size(); }
     const std::vector<double>& step_ms() const { return step_ms_; }
@@ -39,6 +41,7 @@ private:
     std::vector<double> step_ms_, iterations_, residuals_;
     std::array<std::vector<double>, kStageCount> stage_ms_;
     std::vector<FlagRecord> flags_;
+    std::size_t seen_ = 0;  ///< steps whose flags were looked at
     io::RunReport report_;
 };
 

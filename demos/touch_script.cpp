@@ -48,6 +48,12 @@ void TouchScript::before_step() {
     world_->move_drag(drag_, start_m_ + touch.displacement_m.at(world_->time_s() - touch.begin_s));
 }
 
+void TouchScript::let_go() {
+    if (drag_) world_->end_drag(drag_);
+    drag_ = {};
+    next_ = touches_.size();
+}
+
 const Touch* TouchScript::coming() const {
     if (drag_ || next_ == touches_.size()) return nullptr;
     return world_->time_s() > touches_[next_].begin_s - kApproach_s ? &touches_[next_] : nullptr;

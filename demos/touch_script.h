@@ -30,6 +30,7 @@ public:
     TouchScript(World& world, std::vector<Touch> touches, double arrow_m, double usual_n);
 
     void before_step();                 ///< begins, moves and ends drags as the world's time asks for
+    void let_go();                      ///< ends the touch at work and plays no more
     void decorate(FrameView& view) const;
 
 private:

@@ -4,8 +4,9 @@ set -eu
 root=$(CDPATH='' cd -- "$(dirname -- "$0")/.." && pwd)
 . "$root/cmake/packages.sh"
 supple_install_packages
-# One comparison needs another program. Where it cannot be had the test says "skipped", and all the others run.
+# Some comparisons need other programs. Where they cannot be had the tests say "skipped", and all the others run.
 SUPPLE_PACKAGES=calculix-ccx supple_install_packages || echo "supple: without calculix-ccx the comparison with CalculiX is skipped" >&2
+SUPPLE_PACKAGES=python3-meshio supple_install_packages || echo "supple: without python3-meshio no other reader is asked about our mesh files" >&2
 
 cd "$root"
 cmake --preset release

@@ -29,7 +29,9 @@ const std::vector<NamedLaw>& laws() {
                                            {"VerondaWestman", VerondaWestman{500, 2, 1e4}},
                                            {"Ogden", Ogden{{{1500, 3}, {500, -2}}, 1e4}},
                                            {"StableNeoHookean with fibres", StableNeoHookean{1000, 9000, fibres}},
-                                           {"Ogden with fibres", Ogden{{{1500, 3}, {500, -2}}, 1e4, fibres}}};
+                                           {"Ogden with fibres", Ogden{{{1500, 3}, {500, -2}}, 1e4, fibres}},
+                                           {"Costa", Costa{800, 9000, {4, 2, 1.5, 3, 2.5, 2}, {.fibre = fibres.fibre, .sheet = fibres.sheet}}},
+                                           {"Costa with fibres", Costa{800, 9000, {4, 2, 1.5, 3, 2.5, 2}, fibres}}};
     return all;
 }
 
@@ -75,7 +77,7 @@ TEST(HexLaws, CrushedAndInvertedPointsHaveAnEnergyToo) {
     // Points below the volume ratio 0.1, where the ratio goes on towards its floor.
     const auto shape = test::irregular_hex_cube(1, 0, 24);
     const auto& X = shape->mesh().vertices;
-    for (const Material& material : {Material(StableNeoHookean{1000, 9000}), Material(StVenantKirchhoff{1000, 9000})}) {
+    for (const Material& material : {Material(StableNeoHookean{1000, 9000}), Material(StVenantKirchhoff{1000, 9000}), Material(Costa{800, 9000, {2, 1.5, 1.5, 2, 1, 2}})}) {
         for (const double squeeze : {0.15, 0.02, -0.3}) {
             std::vector<Vec3> x(X.begin(), X.end());
             Random random(25);
@@ -151,6 +153,32 @@ TEST(HexLaws, RigidMotionsAreFreeAndForcesTurnWithTheBody) {
         EXPECT_LT(sum.norm(), 1e-9) << law.name;
         EXPECT_LT(torque.norm(), 1e-9) << law.name;
     }
+}
+
+TEST(HexLaws, CostaTakesTheFrameOfEachElement) {
+    // Pulled along x by the same stretch: stiff where the fibres lie along x, soft where they lie across; and the frame turned is the load turned back.
+    const auto shape = test::hex_bar({2, 1, 1});
+    const auto stress = [&](const std::vector<Vec3>& fibre, const std::vector<Vec3>& sheet, const Mat3& F) {
+        std::vector<Vec3> x;
+        for (const Vec3& v : shape->mesh().vertices) x.push_back(F * v);
+        return evaluate(*shape, Costa{800, 9000, {8, 2, 1.5, 3, 2.5, 1}, {.fibre = fibre, .sheet = sheet}}, x).element_stress_pa;
+    };
+    const Mat3 F = Vec3(1.15, 0.95, 0.94).asDiagonal();
+    const auto along = stress({Vec3::UnitX()}, {Vec3::UnitY()}, F), across = stress({Vec3::UnitY()}, {Vec3::UnitZ()}, F);
+    EXPECT_GT(along[0][0], across[0][0] + 800);
+    const auto each = stress({Vec3::UnitX(), Vec3::UnitY()}, {Vec3::UnitY(), Vec3::UnitZ()}, F);
+    for (std::size_t c = 0; c < 6; ++c) {
+        EXPECT_NEAR(each[0][c], along[0][c], 1e-9 * along[0][0]);
+        EXPECT_NEAR(each[1][c], across[0][c], 1e-9 * along[0][0]);
+    }
+    const Mat3 Q = Eigen::AngleAxisd(M_PI / 6, Vec3(1, 2, -1).normalized()).toRotationMatrix();
+    const auto turned = stress({Q * Vec3::UnitX()}, {Q * Vec3::UnitY()}, Q * F * Q.transpose());
+    const auto tensor = [](const Voigt& v) {
+        Mat3 s;
+        s << v[0], v[3], v[5], v[3], v[1], v[4], v[5], v[4], v[2];
+        return s;
+    };
+    EXPECT_LT((tensor(turned[0]) - Q * tensor(along[0]) * Q.transpose()).norm(), 1e-10 * along[0][0]);
 }
 
 /// Tangent of one hex, 24 x 24.

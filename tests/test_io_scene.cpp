@@ -101,6 +101,26 @@ TEST(IoScene, DefaultsAreThoseOfTheDefinitions) {
               PreconditionerKind::automatic);
 }
 
+TEST(IoScene, UnitsAndTheUpAxisOfAMeshFile) {
+    const test::TemporaryFolder folder;
+    write_mesh(folder / "a.vtu", make_tet_box({.max_m = {10, 20, 30}, .cells = {1, 1, 1}}));
+    const auto scene_of = [&](const std::string& keys) {
+        return parse_scene(R"({"supple_scene": 1, "bodies": [{"mesh": "a.vtu")" + keys + "}]}", folder.path(), "s.json");
+    };
+    const auto box_of = [&](const std::string& keys) { return scene_of(keys).bodies[0].def.shape->report(); };
+    EXPECT_EQ(box_of("").max_m, Vec3(10, 20, 30));
+    EXPECT_LT((box_of(R"(, "units": "cm", "scale": 2)").max_m - Vec3(0.2, 0.4, 0.6)).norm(), 1e-15);
+    const MeshReport turned = box_of(R"(, "units": "mm", "up": "z")");
+    EXPECT_LT((turned.min_m - Vec3(0, 0, -0.02)).norm(), 1e-15);
+    EXPECT_LT((turned.max_m - Vec3(0.01, 0.03, 0)).norm(), 1e-15);
+    EXPECT_NEAR(turned.volume_m3, 6e-6, 1e-15);
+    expect_error(ErrorCode::parse, "s.json:/bodies/0/units", {"\"inch\"", "\"in\""}, [&] { scene_of(R"(, "units": "inch")"); });
+    expect_error(ErrorCode::parse, "s.json:/bodies/0/up", {"\"w\""}, [&] { scene_of(R"(, "up": "w")"); });
+    expect_error(ErrorCode::parse, "s.json:/bodies/0/units", {"box", "remove"}, [] {
+        parse_scene(R"({"supple_scene": 1, "bodies": [{"units": "cm", "box": {"min_m": [0, 0, 0], "max_m": [1, 1, 1], "cells": [1, 1, 1]}}]})", ".", "s.json");
+    });
+}
+
 TEST(IoScene, MeshPathsAreRelativeToTheSceneAndShared) {
     const test::TemporaryFolder folder;
     std::filesystem::create_directories(folder / "meshes");
@@ -108,7 +128,7 @@ TEST(IoScene, MeshPathsAreRelativeToTheSceneAndShared) {
     mesh.regions = {{"soft", 4}};
     mesh.element_region = {0, 0, -1, -1, -1, -1};
     mesh.groups = {{"ligament", {0, 1}}};
-    write_gmsh(folder / "meshes/a.msh", mesh);
+    write_mesh(folder / "meshes/a.msh", mesh);
     write_text_file(folder / "s.json", R"({"supple_scene": 1, "bodies": [
         {"mesh": "meshes/a.msh", "fixed": [{"group": "ligament"}], "regions": [{"group": "soft", "stiffness_factor": 0.5}]},
         {"mesh": "meshes/../meshes/a.msh", "fixed": [{"selection": {"group": "soft"}}]},
@@ -473,7 +493,7 @@ TEST(IoScene, MistakesInMeshesNameBothPlaces) {
     const test::TemporaryFolder folder;
     write_text_file(folder / "surface.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
     write_text_file(folder / "broken.msh", "$NOD\n1\n1 0 0 zero\n$ENDNOD\n$ELM\n0\n$ENDELM\n");
-    write_gmsh(folder / "hexes.msh", make_hex_box({}));
+    write_mesh(folder / "hexes.msh", make_hex_box({}));
     const auto scene_of = [&](const char* mesh) { return std::string(R"({"supple_scene": 1, "bodies": [{"mesh": ")") + mesh + "\"}]}"; };
     const auto refuse = [&](ErrorCode code, const char* mesh, const std::vector<std::string>& words) {
         expect_error(code, "s.json:/bodies/0/mesh", words, [&] { parse_scene(scene_of(mesh), folder.path(), "s.json"); });
@@ -482,7 +502,7 @@ TEST(IoScene, MistakesInMeshesNameBothPlaces) {
     refuse(ErrorCode::parse, "broken.msh", {"broken.msh:3", "zero"});
     VolumeMesh folded = make_hex_box({});
     std::swap(folded.vertices[6], folded.vertices[7]);
-    write_gmsh(folder / "folded.msh", folded);
+    write_mesh(folder / "folded.msh", folded);
     refuse(ErrorCode::invalid_argument, "folded.msh", {"folded.msh", "hex 0", "Jacobian"});
     EXPECT_EQ(parse_scene(scene_of("hexes.msh"), folder.path(), "s.json").bodies.at(0).def.shape->mesh().hexes.size(), 1u);
 }
@@ -498,6 +518,17 @@ TEST(IoScene, HexBoxesAndTheIntegrationOfTheirElements) {
     EXPECT_EQ(std::get<Corotational>(parsed(R"({"integration": "full"})").material).integration, Integration::full);
     EXPECT_EQ(std::get<Linear>(parsed(R"({"law": "linear", "integration": "full"})").material).integration, Integration::full);
     EXPECT_EQ(std::get<Linear>(parsed(R"({"law": "linear", "integration": "incompatible"})").material).integration, Integration::incompatible);
+}
+
+TEST(IoScene, PlasticHexesAndHexesOfCostasLawRun) {
+    for (const std::string material : {R"({"young_pa": 1e4, "plastic_yield": 0.02, "plastic_max": 0.3, "plastic_creep_1_s": 4})",
+                                       R"({"law": "linear", "integration": "full", "young_pa": 1e4, "plastic_yield": 0.02})",
+                                       R"({"law": "Costa", "a_pa": 1000, "bulk_pa": 9000, "b": [4, 2, 2, 2, 2, 2], "fibre": [1, 1, 0]})"}) {
+        const Scene scene = parse(R"({"supple_scene": 1, "bodies": [{"box": {"min_m": [0, 0, 0], "max_m": [1, 1, 1], "cells": [2, 1, 1], "elements": "hexes"},
+                                      "fixed": [{"box": {"min_m": [0, 0, 0], "max_m": [0, 1, 1]}}], "material": )" + material + "}]}");
+        World world = build_world(scene);
+        EXPECT_EQ(world.step().flags, StepFlag::none) << material;
+    }
 }
 
 TEST(IoScene, OnlyErrorsEscapeFromMutatedScenes) {

@@ -96,17 +96,19 @@ TEST(IoVtk, ReadsLegacyUnstructuredGrids) {
 }
 
 TEST(IoVtk, LegacyErrorsNameTheLine) {
-    refuse(kVtk, "ASCII", "BINARY", "m:3", {"binary", "ASCII"}, ErrorCode::unsupported);
-    refuse(kVtk, "ASCII\nDATASET UNSTRUCTURED_GRID", "BINARY\nDATASET POLYDATA", "m", {"PolyData"}, ErrorCode::surface_mesh);
+    refuse(kVtk, "ASCII", "UTF8", "m:3", {"ASCII or BINARY", "UTF8"});
     refuse(kVtk, "UNSTRUCTURED_GRID", "STRUCTURED_POINTS", "m:4", {"STRUCTURED_POINTS"}, ErrorCode::unsupported);
     refuse(kVtk, "2 2 2\n", "2 2 b\n", "m:12", {"coordinate", "\"b\""});
-    refuse(kVtk, "POINTS 9", "POINTS 1152921504606846976", "m:13", {"coordinate", "CELLS"});
-    refuse(kVtk, "4 0 1 2 4", "4 0 1 2 9", "m:14", {"node 9"});
-    refuse(kVtk, "4 0 1 2 4", "1152921504606846976 0 1 2 4", "m:17", {"point number", "CELL_TYPES"});
+    refuse(kVtk, "POINTS 9", "POINTS 1152921504606846976", "m:9", {"announces", "points"});
+    refuse(kVtk, "POINTS 9", "POINTS 10", "m:13", {"coordinate", "CELLS"});
+    refuse(kVtk, "4 0 1 2 4", "4 0 1 2 9", "m:14", {"point 9"});
+    refuse(kVtk, "4 0 1 2 4", "1152921504606846976 0 1 2 4", "m:14", {"1152921504606846976 points", "does not fit"});
+    refuse(kVtk, "CELLS 3 18", "CELLS 3 19", "m:17", {"point number", "CELL_TYPES"});
+    refuse(kVtk, "CELLS 3 18", "CELLS 2 18", "m:16", {"longer than its cells"});
     refuse(kVtk, "CELL_TYPES 3\n10", "CELL_TYPES 3\n13", "m:14", {"wedge"}, ErrorCode::unsupported);
     refuse(kVtk, "CELL_TYPES 3\n10", "CELL_TYPES 3\n12", "m:14", {"4 vertices", "needs 8"});
     refuse(kVtk, "CELL_TYPES 3", "CELL_TYPES 4", "m:17", {"4", "[3, 3]"});
-    refuse(kVtk, "CELL_TYPES 3\n10\n5\n11\n", "", "m:17", {"CELL_TYPES", "truncated"});
+    refuse(kVtk, "CELL_TYPES 3\n10\n5\n11\n", "", "m:23", {"CELL_TYPES", "truncated"});
     refuse(kVtk5, "0 4 8\n", "0 9 8\n", "m:13", {"offset", "9"});
     refuse(kVtk5, "0 4 8\n", "0 4 3\n", "m:13", {"offset", "3"});
     refuse(kVtk5, "CONNECTIVITY", "CONNECT", "m:14", {"CONNECTIVITY"});
@@ -121,13 +123,14 @@ TEST(IoVtk, ReadsXmlUnstructuredGridsOfSeveralPieces) {
 }
 
 TEST(IoVtk, XmlErrorsNameTheLine) {
-    refuse(kVtu, "NumberOfComponents=\"3\" format=\"ascii\"", "NumberOfComponents=\"3\" format=\"binary\"", "m:8", {"binary", "ASCII"},
-           ErrorCode::unsupported);
-    refuse(kVtu, "\"UnstructuredGrid\"", "\"PolyData\"", "m", {"PolyData"}, ErrorCode::surface_mesh);
+    refuse(kVtu, "NumberOfComponents=\"3\" format=\"ascii\"", "NumberOfComponents=\"3\" format=\"binary\"", "m:8", {"announces"});
+    refuse(kVtu, "NumberOfComponents=\"3\" format=\"ascii\"", "NumberOfComponents=\"3\" format=\"appended\"", "m:8", {"AppendedData"});
+    refuse(kVtu, "NumberOfComponents=\"3\" format=\"ascii\"", "NumberOfComponents=\"3\" format=\"csv\"", "m:8", {"csv"}, ErrorCode::unsupported);
+    refuse(kVtu, "byte_order", "compressor=\"vtkLZ4DataCompressor\" byte_order", "m:3", {"vtkLZ4DataCompressor"}, ErrorCode::unsupported);
     refuse(kVtu, "\"UnstructuredGrid\"", "\"ImageData\"", "m:3", {"ImageData"}, ErrorCode::unsupported);
     refuse(kVtu, "1 2 3 4\n</", "1 2 3 9\n</", "m:16", {"point 9", "5"});
     refuse(kVtu, "1 2 3 4\n</", "1 2 3 x\n</", "m:16", {"\"x\""});
-    refuse(kVtu, "0 0 1 1 1 1\n", "0 0 1 1 1\n", "m:11", {"coordinate"});
+    refuse(kVtu, "0 0 1 1 1 1\n", "0 0 1 1 1\n", "m:5", {"three each"});
     refuse(kVtu, "NumberOfPoints=\"5\"", "NumberOfPoints=\"1152921504606846976\"", "m:5", {"1152921504606846976 points", "5"});
     refuse(kVtu, "NumberOfCells=\"2\"", "NumberOfCells=\"3\"", "m:5", {"3 cells", "2"});
     refuse(kVtu, "NumberOfCells=\"2\"", "NumberOfCells=\"-2\"", "m:5", {"NumberOfCells", "-2"});

@@ -37,6 +37,37 @@ Eigen::VectorXd stacked(std::span<const Vec3> field) {
     return v;
 }
 
+TEST(WorldInspect, AStaticWorldShowsElementsInEdgeFramesAndHexesToo) {
+    // Its tangent is exact, which edge frames have not: their own is shown.
+    for (const bool hexes : {false, true}) {
+        for (const Rotation rotation : {Rotation::large, Rotation::polar}) {
+            WorldDef def{.gravity_m_s2 = Vec3::Zero(), .threads = 1};
+            def.solver.integrator = Integrator::quasi_static;
+            World world(def);
+            const auto shape = hexes ? test::irregular_hex_cube(1, 0, 3) : test::irregular_cube(1, 0, 3);
+            const BodyId body = world.add_body({.shape = shape, .material = Corotational{.rotation = rotation, .young_pa = 1e4, .poisson = 0.3}});
+            std::vector<Vec3> x = shape->mesh().vertices;
+            for (Vec3& p : x) p = Vec3(1.2 * p.x(), 0.9 * p.y() + 0.1 * p.z(), p.z());
+            world.set_state(body, x, std::vector<Vec3>(x.size(), Vec3::Zero()));
+            const ElementView view = Inspector(world, body).element(0);
+            const Eigen::Index n = 3 * Eigen::Index(view.vertices.size());
+            ASSERT_EQ(view.stiffness.rows(), n);
+            EXPECT_TRUE(view.stiffness.allFinite());
+            const MatX turned = [&] {
+                MatX R = MatX::Zero(n, n);
+                for (Eigen::Index a = 0; a < n / 3; ++a) R.block<3, 3>(3 * a, 3 * a) = view.rotation;
+                return R;
+            }();
+            const double difference = (view.stiffness - turned * view.initial_stiffness * turned.transpose()).norm() / view.stiffness.norm();
+            if (rotation == Rotation::large) {
+                EXPECT_LT(difference, 1e-12);
+            } else {
+                EXPECT_GT(difference, 0.01);
+            }
+        }
+    }
+}
+
 TEST(WorldInspect, AnElementOfARotatedAndStretchedBody) {
     const Mat3 R = Eigen::AngleAxisd(0.8, Vec3(1, 2, 3).normalized()).toRotationMatrix(), U = Vec3(1.2, 0.9, 1.05).asDiagonal();
     for (const Material& law : all_laws()) {

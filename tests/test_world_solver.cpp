@@ -287,5 +287,51 @@ TEST(SlowWorldBar, TipsOfTheCommonWorkload) {
     EXPECT_LT((prediction - converged).norm(), 0.2 * (current - converged).norm()) << "the prediction is the better place to linearise";
 }
 
+TEST(WorldSetSolver, GoesOnAsAWorldMadeThatWay) {
+    WorldDef tight = bar_world();
+    tight.solver.cg_relative_tolerance = 1e-9;
+    tight.solver.newton_iterations = 3;
+    tight.solver.rayleigh_mass_1_s = 2;
+    tight.solver.rayleigh_stiffness_s = 0.001;
+    tight.solver.precision = Precision::double_;
+    for (const PreconditionerKind kind : {PreconditionerKind::block_jacobi, PreconditionerKind::lattice_multigrid, PreconditionerKind::direct}) {
+        tight.solver.preconditioner = kind;
+        WorldDef loose = bar_world();
+        loose.solver.precision = Precision::double_;
+        Bar made(tight, {12, 3, 3}), changed(loose, {12, 3, 3});
+        changed.world.step();
+        changed.world.reset();
+        changed.world.set_solver(tight.solver);
+        for (int n = 0; n < 5; ++n) {
+            const StepReport report = changed.world.step();
+            EXPECT_EQ(report.flags, StepFlag::none);
+            EXPECT_LT(report.cg_relative_residual, 1e-9);
+            made.world.step();
+        }
+        EXPECT_EQ(changed.world.hash(), made.world.hash()) << int(kind);
+    }
+}
+
+TEST(WorldSetSolver, RefusesWhatAWorldCannotChange) {
+    Bar bar(bar_world(), {4, 1, 1});
+    const std::uint64_t before = bar.world.hash();
+    SolverDef other = bar.world.def().solver;
+    other.integrator = Integrator::newmark;
+    EXPECT_THROW(bar.world.set_solver(other), Error);
+    other = bar.world.def().solver;
+    other.precision = Precision::double_;
+    EXPECT_THROW(bar.world.set_solver(other), Error);
+    other = bar.world.def().solver;
+    other.cg_relative_tolerance = 2;
+    EXPECT_THROW(bar.world.set_solver(other), Error);
+    EXPECT_EQ(bar.world.def().solver.cg_relative_tolerance, 1e-5);
+    other = bar.world.def().solver;
+    other.precision = Precision::automatic;  // that at work
+    other.tangent = Tangent::automatic;
+    EXPECT_NO_THROW(bar.world.set_solver(other));
+    EXPECT_EQ(bar.world.def().solver.precision, Precision::single);
+    EXPECT_EQ(bar.world.hash(), before);
+}
+
 }  // namespace
 }  // namespace supple

@@ -23,8 +23,8 @@ std::vector<NamedLaw> all_laws(double bulk_pa) {
     return laws;
 }
 
-std::vector<NamedLaw> with_costa(std::vector<NamedLaw> laws, Kind kind) {
-    if (kind == Kind::tets) laws.push_back({"Costa", Costa{.a_pa = 1000, .bulk_pa = 28000.0 / 3, .b = {2, 2, 2, 2, 2, 2}}});
+std::vector<NamedLaw> with_costa(std::vector<NamedLaw> laws) {
+    laws.push_back({"Costa", Costa{.a_pa = 1000, .bulk_pa = 28000.0 / 3, .b = {2, 2, 2, 2, 2, 2}}});
     return laws;
 }
 

@@ -22,8 +22,8 @@ struct NamedLaw {
 std::vector<NamedLaw> hyperelastic_laws(double bulk_pa = 1e4);
 std::vector<NamedLaw> all_laws(double bulk_pa = 1e4);  ///< and linear, corotational
 
-/// With Costa's law of the same moduli where the kind of element has it.
-std::vector<NamedLaw> with_costa(std::vector<NamedLaw> laws, Kind kind);
+/// And Costa's law of the same moduli.
+std::vector<NamedLaw> with_costa(std::vector<NamedLaw> laws);
 
 /// True for the corotational material.
 inline bool is_corotational(const Material& m) { return std::holds_alternative<Corotational>(m); }

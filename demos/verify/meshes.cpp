@@ -1,5 +1,7 @@
 #include "meshes.h"
 
+#include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <map>
 
@@ -17,6 +19,34 @@ VolumeMesh mapped_box(Kind kind, std::array<int, 3> cells, const Map& map) {
 
 VolumeMesh box(Kind kind, std::array<int, 3> cells, const Vec3& size) {
     return mapped_box(kind, cells, [&](const Vec3& s) { return Vec3(s.cwiseProduct(size)); });
+}
+
+VolumeMesh crossed_box(std::array<int, 2> cells, const Vec3& size) {
+    VolumeMesh mesh;
+    const auto [nx, ny] = cells;
+    const auto add = [&](double x, double y) {  // a column of two vertices: 2 k at the bottom, 2 k + 1 above it
+        for (const double z : {0.0, size.z()}) mesh.vertices.push_back(Vec3(size.x() * x / nx, size.y() * y / ny, z));
+    };
+    for (int i = 0; i <= nx; ++i)
+        for (int j = 0; j <= ny; ++j) add(i, j);
+    const auto corner = [&, ny = ny](int i, int j) { return std::int32_t(i * (ny + 1) + j); };
+    for (int i = 0; i < nx; ++i) {
+        for (int j = 0; j < ny; ++j) {
+            const auto middle = std::int32_t(mesh.vertices.size() / 2);
+            add(i + 0.5, j + 0.5);
+            const std::array<std::int32_t, 4> around{corner(i, j), corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1)};
+            for (std::size_t k = 0; k < 4; ++k) {
+                // Prisms over sorted columns share the diagonals of their faces.
+                const std::int32_t a = std::min(around[k], around[(k + 1) % 4]), b = std::max(around[k], around[(k + 1) % 4]), c = middle;
+                for (Tet tet : {Tet{2 * a, 2 * b, 2 * c, 2 * c + 1}, Tet{2 * a, 2 * b, 2 * b + 1, 2 * c + 1}, Tet{2 * a, 2 * a + 1, 2 * b + 1, 2 * c + 1}}) {
+                    const auto at = [&](std::size_t n) { return mesh.vertices[std::size_t(tet[n])]; };
+                    if ((at(1) - at(0)).cross(at(2) - at(0)).dot(at(3) - at(0)) < 0) std::swap(tet[2], tet[3]);
+                    mesh.tets.push_back(tet);
+                }
+            }
+        }
+    }
+    return mesh;
 }
 
 VolumeMesh welded(const std::vector<VolumeMesh>& patches) {

@@ -28,6 +28,10 @@ VolumeMesh mapped_box(Kind kind, std::array<int, 3> cells, const Map& map);
 /// A box from the origin to `size`.
 VolumeMesh box(Kind kind, std::array<int, 3> cells, const Vec3& size);
 
+/// A box from the origin whose cells are cut crosswise: four triangles of the x-y plane a cell, as prisms of three tets through the one cell along z. In bending as good as half as many
+/// cells more with one diagonal each.
+VolumeMesh crossed_box(std::array<int, 2> cells, const Vec3& size);
+
 /// Patches as one mesh: vertices nearer than 1e-9 of the size of it are one.
 VolumeMesh welded(const std::vector<VolumeMesh>& patches);
 

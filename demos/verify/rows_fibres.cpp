@@ -29,7 +29,7 @@ Mat3 stress(const BodyTemplate& shape, const Material& m, const Mat3& F) {
 }
 
 void fibre_frame(Table& table, const Settings&) {
-    for (const Kind kind : {Kind::tets}) {
+    for (const Kind kind : element_kinds()) {
         const auto shape = BodyTemplate::build(box(kind, {1, 1, 1}, Vec3::Ones()));
         Random random(11);
         double worst = 0;

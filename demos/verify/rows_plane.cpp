@@ -20,7 +20,7 @@ struct PatchErrors {
 
 /// Boundary vertices at A X + t, the inner ones found: they must follow, with the stress of a homogeneous strain everywhere.
 PatchErrors patch(Kind kind, const Material& material, const Mat3& A, const Settings& settings) {
-    Statics cube(irregular_cube(kind, 4, 0.25, 5), material, {.tolerance = 1e-10, .threads = settings.threads});
+    Statics cube(irregular_cube(kind, 4, 0.25, 5), material, {.tolerance = 1e-14, .threads = settings.threads});  // down to rounding
     Mat34 map;
     map << A, Vec3(0.1, -0.2, 0.3);
     cube.move([](const Vec3& X) { return X.minCoeff() < 1e-9 || X.maxCoeff() > 1 - 1e-9; }, {map});
@@ -42,25 +42,24 @@ PatchErrors patch(Kind kind, const Material& material, const Mat3& A, const Sett
 
 void patch_test(Table& table, const Settings& settings) {
     Random random(6);
-    const Mat3 small = Mat3::Identity() + random.matrix(1e-3);
+    const Mat3 small = Mat3::Identity() + random.matrix(0.1);  // of a law of small strain, whose answer is linear however large
     Mat3 large = random.rotation() * (Mat3::Identity() + random.matrix(0.15));
     for (const Kind kind : element_kinds()) {
         const PatchErrors linear = patch(kind, Linear{.young_pa = kYoung, .poisson = 0.3}, small, settings);
         table.below("patch test, distorted " + name(kind) + ", small strain: positions [m]", linear.position, 1e-12);
-        table.below("patch test, distorted " + name(kind) + ", small strain: stress, relative", linear.stress, 1e-11);
+        table.below("patch test, distorted " + name(kind) + ", small strain: stress, relative", linear.stress, 1e-12);
         const PatchErrors corotational = patch(kind, Corotational{.young_pa = kYoung, .poisson = 0.3}, large, settings);
         table.below("patch test, distorted " + name(kind) + ", corotational, large affine map: positions [m]", corotational.position, 1e-10);
-        table.below("patch test, distorted " + name(kind) + ", corotational, large affine map: stress, relative", corotational.stress, 1e-9);
+        table.below("patch test, distorted " + name(kind) + ", corotational, large affine map: stress, relative", corotational.stress, 1e-10);
     }
-    table.note("stress is a difference of positions: rounding of 1e-16 in x is 1e-12 of the stress at a strain of 1e-3.");
 }
 
 // -- row 14 -----------------------------------------------------------------------------------------------
 
-/// Corners (0,0) (48,44) (48,60) (0,44), thickness 1, one layer of n x n cells.
+/// Corners (0,0) (48,44) (48,60) (0,44), thickness 1, one layer of n x n cells. Counted from the right, so that cells are cut into tets along their shorter diagonal.
 VolumeMesh membrane(Kind kind, int n) {
     return mapped_box(kind, {n, n, 1}, [](const Vec3& s) {
-        const double x = 48 * s.x(), low = 44 * s.x(), high = 44 + 16 * s.x();
+        const double across = 1 - s.x(), x = 48 * across, low = 44 * across, high = 44 + 16 * across;
         return Vec3(x, low + s.y() * (high - low), s.z());
     });
 }
@@ -83,17 +82,18 @@ double cook(Kind kind, int n, const Material& material, bool plane_strain, const
 void cooks_membrane(Table& table, const Settings& settings) {
     for (const Kind kind : element_kinds()) {
         const Material m = Linear{.young_pa = 1, .poisson = 1.0 / 3};
-        const int n = kind == Kind::tets ? 48 : 16;
+        const int n = 16;
         const double coarse = cook(kind, n / 2, m, false, settings), fine = cook(kind, n, m, false, settings);
         table.relative("Cook's membrane, plane stress, " + name(kind) + " " + std::to_string(n) + " x " + std::to_string(n) + ": middle of the edge [m/N]", 23.96, fine,
                        kind == Kind::tets ? 0.03 : 0.01, std::log2((23.965 - coarse) / (23.965 - fine)));
         // Tets lock here unless their volumetric stiffness sits at the vertices; hexahedra have their inner modes.
         const Material rubber = Linear{.young_pa = 1, .poisson = 0.4999, .volumetric = Volumetric::nodal};
-        for (const int cells : kind == Kind::tets ? std::vector<int>{16, 36} : std::vector<int>{16})
-            table.relative("Cook's membrane, plane strain, nu = .4999, " + name(kind) + " " + std::to_string(cells) + " x " + std::to_string(cells) + ": middle of the edge [m/N]", 18.5,
-                           cook(kind, cells, rubber, true, settings), kind == Kind::tets && cells == 16 ? 0.18 : 0.05);
+        const double rough = cook(kind, n / 2, rubber, true, settings), smooth = cook(kind, n, rubber, true, settings);
+        table.relative("Cook's membrane, plane strain, nu = .4999, " + name(kind) + " " + std::to_string(n) + " x " + std::to_string(n) + ": middle of the edge [m/N]", 18.5, smooth, 0.05,
+                       std::log2((18.5 - rough) / (18.5 - smooth)));
     }
-    table.note("16 x 16 cells of linear tets are about as stiff at nu = 1/3: what is left is their bending, not locking. The nodal volume is theirs, hexahedra are as they are by default.");
+    table.note("tets: cells cut along their shorter diagonal (along the longer one a mesh of 16 x 16 cells is 10 % stiff at nu = 1/3 and 15 % at nu = .4999: bending, not locking), volume at the "
+               "vertices; hexahedra are as they are by default.");
 }
 
 // -- row 18 -----------------------------------------------------------------------------------------------

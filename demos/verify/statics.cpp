@@ -64,9 +64,20 @@ void Statics::load(std::span<const Vec3> forces, const std::vector<double>& fact
     }
 }
 
+void Statics::press(const Where& where, const std::vector<double>& pressures_pa) {
+    Load load;
+    load.where = VertexList{select(where)};
+    load.kind = LoadKind::pressure;
+    load.amount.values = pressures_pa;
+    if (pressures_pa.size() > 1)
+        for (std::size_t k = 0; k < pressures_pa.size(); ++k) load.amount.times_s.push_back(double(k + 1));
+    world_.add_load(body_, load);
+}
+
 void Statics::solve() {
     nodal_stress_.clear();
     const StepReport report = world_.step();
+    newton_iterations_ += report.newton_iterations;
     if (report.flags != StepFlag::none) throw std::runtime_error("no equilibrium: " + flags_text(report.flags));
 }
 

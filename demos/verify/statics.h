@@ -37,10 +37,14 @@ public:
     /// Forces per vertex [N] (quadrature.h). `factors`: multiplies them in step 1, 2, ..
     void load(std::span<const Vec3> forces, const std::vector<double>& factors = {1});
 
+    /// Follower pressure [Pa] on the boundary faces whose corners are all selected, one value per step.
+    void press(const Where& where, const std::vector<double>& pressures_pa);
+
     /// Equilibrium of the next step. @error std::runtime_error when there is none
     void solve();
 
     World& world() { return world_; }
+    int newton_iterations() const { return newton_iterations_; }  ///< of all solves so far
     const VolumeMesh& mesh() const { return world_.shape(body_).mesh(); }
     BodyId body() const { return body_; }
     std::span<const Vec3> x() const { return world_.positions(body_); }
@@ -56,6 +60,7 @@ public:
 private:
     World world_;
     BodyId body_;
+    int newton_iterations_ = 0;
     mutable std::vector<Voigt> nodal_stress_;
 };
 

@@ -16,6 +16,7 @@ struct Line {
     double ours = 0, error = 0, tolerance = 0;
     std::optional<double> order;  ///< observed order of convergence
     bool pass = false;
+    bool judged = true;           ///< false: a value without anything to compare it with
 };
 
 /// What a case writes into. Nothing here knows results: every `ours` is computed by the case.
@@ -30,6 +31,8 @@ public:
     /// An order of convergence: |ours - expected| <= tolerance, or only ours >= expected - tolerance.
     void order(const std::string& what, double expected, double ours, double tolerance);
     void order_at_least(const std::string& what, double least, double ours);
+    /// A value of ours that nothing stands beside: no verdict.
+    void value(const std::string& what, double ours);
     /// A sentence below the table, with the number of the row.
     void note(const std::string& text);
     /// A case that ended before its comparisons.

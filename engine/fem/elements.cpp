@@ -74,7 +74,7 @@ public:
         pass.energy = outputs.energy;
         pass.stress = outputs.stress;
         pass.plastic = outputs.plastic;
-        pass.project = def_.project;
+        pass.project = def_.project && outputs.project;
         const auto give = [&](auto& array) { return outputs.tangent && !array.empty() ? array.data() : nullptr; };
         pass.record_f = give(record_f_);
         pass.record_d = give(record_d_);
@@ -176,7 +176,7 @@ public:
         pass.fibre = parameters_.fibre.data();
         pass.families = parameters_.families;
         pass.position = position;
-        pass.project = def_.project;
+        pass.project = def_.project && outputs.project;
         pass.quaternion = quaternion;
         pass.energy = outputs.energy;
         pass.stress = outputs.stress;

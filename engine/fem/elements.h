@@ -30,6 +30,7 @@ struct ElementOutputs {
     double* energy = nullptr;
     double* stress = nullptr;
     bool tangent = false;  ///< keep what product() and assemble() need
+    bool project = true;   ///< where ElementsDef::project says so, too; false: the derivative as it is, which may be indefinite
 };
 
 /// Which matrix precision a set of elements prepares for.
@@ -93,7 +94,7 @@ struct ElementsDef {
     MatrixPrecision precision = MatrixPrecision::none;
     Isa isa = Isa::scalar;
     bool project = true;                       ///< tangent made positive semidefinite; of hyperelastic laws where matrix_regularization says so
-    bool exact_rotation = false;               ///< corotational tets, polar or svd: the tangent has the rotation's derivative
+    bool exact_rotation = false;               ///< corotational, polar or svd: the tangent has the rotation's derivative (of hexes that of their mean strain)
 };
 
 /// @error Error(invalid_argument) for a hexahedron whose map is folded at an integration point

@@ -11,12 +11,15 @@
 /// Tangent, for a change dF of the points and dt = sum_a t_a.dx_a:
 ///     dFb = c (dF + F db),   db = (l'(t) dt - l'(J) dJ)/3,   dJ = C : dF,   dP = d2W : dFb,   3 dp = dP : Fb + P : dFb
 ///     df_a = -sum_q w (c dP + c db P - (dp l'(J) + p l''(J) dJ) C + (H / sum_q w - p l'(J)) dC) g_a - sum_q w (dp l'(t) + p l''(t) dt) t_a.
-/// Families of fibres (laws/fibres.h) are a part of W: they see Fb.
+/// Families of fibres (laws/fibres.h) are a part of W: they see Fb. A tensor law sees Fb Q0, Q0 = [f s n] its material frame, and says dP and the nine by nine of d2W itself.
 /// Made positive semidefinite, it is the sum of w dFb : d2W+ : dFb alone, d2W+ projected as in tetrahedra: the terms with P, p and dC fall away, and so they do at rest.
 #include "supple/fem/hex8_hyper.h"
 #include "supple/fem/hex8_lanes.h"
 #include "supple/fem/principal_laws.h"
+#include "supple/fem/tet4_hyper_tangents.h"
+#include "supple/material/laws/costa.h"
 #include "supple/material/laws/fibres.h"
+#include "supple/material/laws/tensor_inversion.h"
 #include "supple/math/lane_polar.h"
 
 namespace supple::fem {
@@ -70,14 +73,33 @@ inline Matrix cofactor_change(const Matrix& F, int k, const Vector& g) {
     return C;
 }
 
-/// One Gauss point of the elements in the lanes.
+/// One Gauss point of the elements in the lanes: what every law has.
 struct HexPointState {
     Vector g[7];
-    Lanes weight, J, c, p;
+    Lanes weight, J, c, p, W;
     LogRatio l;
-    Matrix F, C, P, U, V;
-    Principal e;
+    Matrix F, C, P;
     FibreTerm fibre[2];
+};
+
+/// Of a law in principal stretches.
+struct PrincipalPoint : HexPointState {
+    Matrix U, V;
+    Principal e;
+};
+
+/// Of a tensor law: dP/dFb, its second indices in the material frame.
+struct TensorPoint : HexPointState {
+    Lanes D[9][9];
+};
+
+template <Law law>
+struct PointOf {
+    using Type = PrincipalPoint;
+};
+template <>
+struct PointOf<Law::costa> {
+    using Type = TensorPoint;
 };
 
 struct HexFibre {
@@ -92,9 +114,11 @@ struct HexShared {
     Vector t_a[7];
     std::size_t families = 0;
     HexFibre fibre[2];
+    Matrix Q0;  ///< of tensor laws
 };
 
-inline void read_points(const Hex8HyperPass& pass, std::size_t block, std::size_t lane, const Vector d[7], HexPointState points[8], HexShared& shared) {
+template <class Point>
+inline void read_points(const Hex8HyperPass& pass, std::size_t block, std::size_t lane, const Vector d[7], Point points[8], HexShared& shared) {
     const Lanes zero(0.0);
     for (Vector& v : shared.t_a) v = {zero, zero, zero};
     for (std::size_t q = 0; q < kHexPoints; ++q) {
@@ -131,33 +155,70 @@ inline void add_outer(Matrix& A, const Vector& v, const Vector& f) {
     for (std::size_t n = 0; n < shared.families; ++n) {
         const Vector a = Fb * shared.fibre[n].f;
         s.fibre[n] = fibre_term(shared.fibre[n].k, shared.fibre[n].b, a);
-        s.e.W = s.e.W + s.fibre[n].W;
+        s.W = s.W + s.fibre[n].W;
         s.p = s.p + Lanes(1.0 / 3) * dot(s.fibre[n].traction, a);
         add_outer(s.P, s.fibre[n].traction, shared.fibre[n].f);
     }
 }
 
-/// Fb = U diag(s) V^T, the law, P and p.
-template <Law law>
-inline void respond(const double* parameter, std::size_t parameters, const HexShared& shared, Quat<Lanes> turn, HexPointState& s) {
-    const Lanes third(1.0 / 3);
+/// Fb = U diag(stretch) V^T of a point.
+struct HexStretch {
+    Matrix Fb, U, V;
+    Lanes stretch[3];
+};
+
+inline HexStretch stretch_of(const HexShared& shared, Quat<Lanes> turn, HexPointState& s) {
+    HexStretch k;
     s.l = log_ratio(s.J);
-    s.c = exponential(third * (shared.l.value - s.l.value));
-    Matrix Fb;
-    for (int i = 0; i < 9; ++i) Fb.m[i / 3][i % 3] = s.c * s.F.m[i / 3][i % 3];
-    const Matrix R = polar_rotation(Fb, turn);
-    Matrix S = transposed_product(R, Fb);
+    s.c = exponential(Lanes(1.0 / 3) * (shared.l.value - s.l.value));
+    for (int i = 0; i < 9; ++i) k.Fb.m[i / 3][i % 3] = s.c * s.F.m[i / 3][i % 3];
+    const Matrix R = polar_rotation(k.Fb, turn);
+    Matrix S = transposed_product(R, k.Fb);
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < i; ++j) S.m[i][j] = S.m[j][i] = Lanes(0.5) * (S.m[i][j] + S.m[j][i]);
-    jacobi_eigen(S, s.V);
-    s.U = R * s.V;
-    for (int i = 0; i < 3; ++i) s.e.s[i] = S.m[i][i];
-    apply_law<law>(parameter, parameters, s.e);
-    s.p = third * (s.e.first[0] * s.e.s[0] + s.e.first[1] * s.e.s[1] + s.e.first[2] * s.e.s[2]);
+    jacobi_eigen(S, k.V);
+    k.U = R * k.V;
+    for (int i = 0; i < 3; ++i) k.stretch[i] = S.m[i][i];
+    return k;
+}
+
+/// The law at a point: W, P and p, and what its tangent is made of.
+template <Law law>
+inline void respond(const Hex8HyperPass& pass, const double* parameter, const HexShared& shared, Quat<Lanes> turn, PrincipalPoint& s) {
+    const HexStretch k = stretch_of(shared, turn, s);
+    s.U = k.U;
+    s.V = k.V;
+    for (int i = 0; i < 3; ++i) s.e.s[i] = k.stretch[i];
+    apply_law<law>(parameter, pass.parameters, s.e);
+    s.W = s.e.W;
+    s.p = Lanes(1.0 / 3) * (s.e.first[0] * s.e.s[0] + s.e.first[1] * s.e.s[1] + s.e.first[2] * s.e.s[2]);
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j)
             s.P.m[i][j] = s.U.m[i][0] * s.e.first[0] * s.V.m[j][0] + s.U.m[i][1] * s.e.first[1] * s.V.m[j][1] + s.U.m[i][2] * s.e.first[2] * s.V.m[j][2];
-    if (shared.families > 0) add_hex_fibres(shared, Fb, s);
+    if (shared.families > 0) add_hex_fibres(shared, k.Fb, s);
+}
+
+inline Lanes double_dot(const Matrix& A, const Matrix& B) {
+    Lanes sum(0.0);
+    for (int i = 0; i < 9; ++i) sum = sum + A.m[i / 3][i % 3] * B.m[i / 3][i % 3];
+    return sum;
+}
+
+template <Law law>
+[[gnu::noinline]] void respond(const Hex8HyperPass& pass, const double* parameter, const HexShared& shared, Quat<Lanes> turn, TensorPoint& s) {
+    const HexStretch k = stretch_of(shared, turn, s);
+    Lanes p[8];
+    for (int i = 0; i < 8; ++i) p[i] = load(parameter + std::size_t(i + 1) * kBlock);
+    const bool tangent = pass.inner != nullptr;
+    const TensorResponse t = tensor_response([&](const Matrix& A) { return costa(p, A); }, load(parameter), k.U, transposed_product(shared.Q0, k.V), k.stretch,
+                                             k.Fb * shared.Q0, tangent, pass.project);
+    s.W = t.W;
+    s.P = times_transposed(t.P, shared.Q0);
+    s.p = Lanes(1.0 / 3) * double_dot(s.P, k.Fb);
+    if (tangent) {
+        for (int i = 0; i < 81; ++i) s.D[i / 9][i % 9] = t.C[i / 9][i % 9];
+    }
+    if (shared.families > 0) add_hex_fibres(shared, k.Fb, s);
 }
 
 /// c P - p l'(J) C
@@ -168,8 +229,8 @@ inline Matrix point_force(const HexPointState& s) {
     return G;
 }
 
-/// d2W : X
-inline Matrix second_derivative(const HexPointState& s, const HexShared& shared, const Matrix& dF) {
+/// d2W : dFb of the law alone.
+inline Matrix law_derivative(const PrincipalPoint& s, const HexShared&, const Matrix& dF) {
     const Lanes half(0.5);
     const Matrix X = transposed_product(s.U, dF) * s.V;
     Matrix Y;
@@ -180,10 +241,14 @@ inline Matrix second_derivative(const HexPointState& s, const HexShared& shared,
         Y.m[i][j] = sum + difference;
         Y.m[j][i] = sum - difference;
     }
-    const Matrix UY = s.U * Y;
-    Matrix P;
-    for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j) P.m[i][j] = UY.m[i][0] * s.V.m[j][0] + UY.m[i][1] * s.V.m[j][1] + UY.m[i][2] * s.V.m[j][2];
+    return times_transposed(s.U * Y, s.V);
+}
+
+inline Matrix law_derivative(const TensorPoint& s, const HexShared& shared, const Matrix& dF) { return times_transposed(times(s.D, dF * shared.Q0), shared.Q0); }
+
+template <class Point>
+inline Matrix second_derivative(const Point& s, const HexShared& shared, const Matrix& dF) {
+    Matrix P = law_derivative(s, shared, dF);
     for (std::size_t n = 0; n < shared.families; ++n) {
         const Lanes* M = s.fibre[n].M;
         const Vector& f = shared.fibre[n].f;
@@ -192,21 +257,16 @@ inline Matrix second_derivative(const HexPointState& s, const HexShared& shared,
     return P;
 }
 
-inline Lanes double_dot(const Matrix& A, const Matrix& B) {
-    Lanes sum(0.0);
-    for (int i = 0; i < 9; ++i) sum = sum + A.m[i / 3][i % 3] * B.m[i / 3][i % 3];
-    return sum;
-}
-
 /// Column (corner b, axis k) of the inner stiffness, rows a <= b.
-[[gnu::noinline]] void stiffness_column(const HexPointState points[8], const HexShared& shared, bool exact, int b, int k, Vector out[7]) {
+template <class Point>
+[[gnu::noinline]] void stiffness_column(const Point points[8], const HexShared& shared, bool exact, int b, int k, Vector out[7]) {
     const Lanes zero(0.0), third(1.0 / 3);
     const auto part = [&](const Vector& v) { return k == 0 ? v.x : k == 1 ? v.y : v.z; };
     const Lanes dt = part(shared.t_a[b]), mean_pull = shared.H / shared.volume;
     for (int a = 0; a <= b; ++a) out[a] = {zero, zero, zero};
     Lanes dH(0.0);
     for (int q = 0; q < 8; ++q) {
-        const HexPointState& s = points[q];
+        const Point& s = points[q];
         const Lanes g[3] = {s.g[b].x, s.g[b].y, s.g[b].z};
         const Lanes dJ = s.C.m[k][0] * g[0] + s.C.m[k][1] * g[1] + s.C.m[k][2] * g[2];
         const Lanes db = third * (shared.l.first * dt - s.l.first * dJ);
@@ -260,10 +320,13 @@ inline void store_hex_blocks(const double* inner, Real* out) {
     }
 }
 
-inline void store_tangent(const Hex8HyperPass& pass, std::size_t at, HexPointState points[8], const HexShared& shared, Lanes live) {
+template <class Point>
+inline void store_hex_tangent(const Hex8HyperPass& pass, std::size_t at, Point points[8], const HexShared& shared, Lanes live) {
     const std::size_t block = at / kBlock, lane = at % kBlock;
-    if (pass.project) {
-        for (int q = 0; q < 8; ++q) project(points[q].e);
+    if constexpr (std::is_same_v<Point, PrincipalPoint>) {  // a tensor law has done it
+        if (pass.project) {
+            for (int q = 0; q < 8; ++q) project(points[q].e);
+        }
     }
     double* inner = pass.inner + block * kHexInner * kBlock + lane;
     for (int b = 0; b < 7; ++b) {
@@ -282,7 +345,8 @@ inline void store_tangent(const Hex8HyperPass& pass, std::size_t at, HexPointSta
     if (pass.block_d != nullptr) store_hex_blocks(inner, pass.block_d + at * kHexBlocks);
 }
 
-inline void store_hex_stress(const HexPointState points[8], const HexShared& shared, double* stress) {
+template <class Point>
+inline void store_hex_stress(const Point points[8], const HexShared& shared, double* stress) {
     const Lanes tiny(1e-12), zero(0.0), inv_volume = Lanes(1.0) / shared.volume;
     Lanes sum[6] = {zero, zero, zero, zero, zero, zero};
     constexpr int kRow[6] = {0, 1, 2, 0, 1, 2}, kColumn[6] = {0, 1, 2, 1, 2, 0};
@@ -317,13 +381,16 @@ void hex_hyper_elements(const Hex8HyperPass& pass, std::size_t begin, std::size_
         store(quaternion + 2 * kBlock, turn.y);
         store(quaternion + 3 * kBlock, turn.z);
 
-        HexPointState points[8];
+        using Point = typename PointOf<law>::Type;
+        Point points[8];
         HexShared shared;
         read_points(pass, block, lane, d, points, shared);
-        for (HexPointState& s : points) {
-            respond<law>(pass.parameter + block * pass.parameters * kBlock + lane, pass.parameters, shared, turn, s);
+        const double* parameter = pass.parameter + block * pass.parameters * kBlock + lane;
+        if constexpr (is_tensor_law(law)) shared.Q0 = load_frame(parameter, pass.parameters);
+        for (Point& s : points) {
+            respond<law>(pass, parameter, shared, turn, s);
             shared.H = shared.H + s.weight * s.p * shared.l.first;
-            shared.energy = shared.energy + s.weight * s.e.W;
+            shared.energy = shared.energy + s.weight * s.W;
         }
         const Lanes live = choose(load(pass.volume + at) > zero, one, zero);
         if (pass.corner_force != nullptr) {
@@ -338,14 +405,14 @@ void hex_hyper_elements(const Hex8HyperPass& pass, std::size_t begin, std::size_
         }
         if (pass.energy != nullptr) store(pass.energy + at, live * shared.energy);
         if (pass.stress != nullptr) store_hex_stress(points, shared, pass.stress + block * 6 * kBlock + lane);
-        if (pass.inner != nullptr) store_tangent(pass, at, points, shared, live);
+        if (pass.inner != nullptr) store_hex_tangent(pass, at, points, shared, live);
     }
 }
 
 inline constexpr Hex8HyperKernels kHexHyperKernels{{hex_hyper_elements<Law::st_venant_kirchhoff>, hex_hyper_elements<Law::neo_hookean>,
                                                     hex_hyper_elements<Law::stable_neo_hookean>, hex_hyper_elements<Law::mooney_rivlin>,
                                                     hex_hyper_elements<Law::arruda_boyce>, hex_hyper_elements<Law::veronda_westman>,
-                                                    hex_hyper_elements<Law::ogden>}};
+                                                    hex_hyper_elements<Law::ogden>, hex_hyper_elements<Law::costa>}};
 
 }  // namespace
 }  // namespace SUPPLE_ISA

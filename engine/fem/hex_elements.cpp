@@ -29,18 +29,22 @@ public:
         : def_(def),
           rest_(def.group->hexes),
           frame_(frame_of(materials.of(std::size_t(def.group->element[0])))),
-          kernels_(hex8_kernels(def.isa)) {
-        for (const std::int32_t e : def.group->element) {
-            if (plasticity_of(materials.of(std::size_t(e))).flows()) {
-                throw Error(ErrorCode::unsupported, "material.plastic_yield", "hexahedra are elastic in this build; take tetrahedra for a plastic body");
-            }
-        }
+          kernels_(hex8_kernels(def.isa)),
+          flow_(group_plasticity(*def.group, materials)) {
         lame_ = group_lame(*def.group, materials);
         moduli_ = make_moduli(rest_.blocks(), lame_);
         stiffness_ = make_hex_stiffness(rest_, lame_, group_integration(*def.group, materials), def.precision == MatrixPrecision::single);
-        const std::size_t records = rest_.blocks() * kBlock * kHexRecord;
-        if (def.precision == MatrixPrecision::single) record_f_.resize(records);
-        if (def.precision == MatrixPrecision::double_) record_d_.resize(records);
+        const std::size_t lanes = rest_.blocks() * kBlock;
+        const bool exact = def.exact_rotation && (frame_ == Frame::polar || frame_ == Frame::svd);
+        if (exact) twist_.resize(lanes * 6);
+        if (def.precision == MatrixPrecision::single) {
+            record_f_.resize(lanes * kHexRecord);
+            if (exact) twist_f_.resize(lanes * kHexTwist);
+        }
+        if (def.precision == MatrixPrecision::double_) {
+            record_d_.resize(lanes * kHexRecord);
+            if (exact) twist_d_.resize(lanes * kHexTwist);
+        }
     }
 
     void evaluate(Team& team, const double* position, double* quaternion, const ElementOutputs& outputs) override {
@@ -56,8 +60,14 @@ public:
         pass.corner_force = outputs.force;
         pass.energy = outputs.energy;
         pass.stress = outputs.stress;
-        if (outputs.tangent && !record_f_.empty()) pass.record_f = record_f_.data();
-        if (outputs.tangent && !record_d_.empty()) pass.record_d = record_d_.data();
+        pass.plastic = outputs.plastic;
+        pass.project = def_.project && outputs.project;
+        const auto give = [&](auto& array) { return outputs.tangent && !array.empty() ? array.data() : nullptr; };
+        pass.record_f = give(record_f_);
+        pass.record_d = give(record_d_);
+        pass.twist = give(twist_);
+        pass.twist_f = give(twist_f_);
+        pass.twist_d = give(twist_d_);
         const auto kernel = kernels_.elements[std::size_t(frame_)];
         team.for_range(rest_.blocks(), kBlockChunk, [&](std::size_t begin, std::size_t end) { kernel(pass, begin, end); });
     }
@@ -65,15 +75,24 @@ public:
     std::optional<Lame> lame(std::size_t element) const override { return lame_[element]; }
 
     void product(Team& team, const double* quaternion, const double* field, double* corner_value) override {
-        const Hex8Product pass{rest_.vertex.data(), view(), quaternion, field, corner_value};
+        const Hex8Product pass{rest_.vertex.data(), rest_.gradient.data(), view(), twist_.empty() ? nullptr : twist_.data(), quaternion, field, corner_value};
         team.for_range(rest_.blocks(), kBlockChunk, [&](std::size_t begin, std::size_t end) { kernels_.product(pass, begin, end); });
     }
 
+    bool is_plastic() const override { return flow_.any(); }
+
+    void flow(Team& team, const double* position, double* quaternion, double* plastic, double h) override {
+        if (!flow_.any()) return;
+        const Hex8Flow pass{rest_.vertex.data(), rest_.edge.data(), rest_.gradient.data(), position, flow_.parameters(h), quaternion, plastic};
+        const auto kernel = kernels_.flow[std::size_t(frame_)];
+        team.for_range(rest_.blocks(), kBlockChunk, [&](std::size_t begin, std::size_t end) { kernel(pass, begin, end); });
+    }
+
     void assemble(Team& team, double scale, std::span<const double> shift, float* value) override {
-        assemble_rows(team, scale, shift, stiffness_.shared_f, record_f_, value, kernels_.assemble_f);
+        assemble_rows(team, scale, shift, stiffness_.shared_f, record_f_, twist_f_, value, kernels_.assemble_f);
     }
     void assemble(Team& team, double scale, std::span<const double> shift, double* value) override {
-        assemble_rows(team, scale, shift, stiffness_.shared_d, record_d_, value, kernels_.assemble_d);
+        assemble_rows(team, scale, shift, stiffness_.shared_d, record_d_, twist_d_, value, kernels_.assemble_d);
     }
 
 private:
@@ -81,13 +100,14 @@ private:
 
     template <class Real, class Kernel>
     void assemble_rows(Team& team, double scale, std::span<const double> shift, const AlignedVector<Real>& stiffness, const AlignedVector<Real>& record,
-                       Real* value, Kernel kernel) {
+                       const AlignedVector<Real>& twist, Real* value, Kernel kernel) {
         SUPPLE_ASSERT(!record.empty());
         Hex8Assembly<Real> pass;
         fill_lists(pass, def_, scale, shift);
         pass.stiffness = stiffness.data();
         pass.class_of = stiffness_.class_of.data();
         pass.record = record.data();
+        if (!twist.empty()) pass.twist = twist.data();
         pass.value = value;
         team.for_range(def_.pattern.rows(), kAssemblyChunk, [&](std::size_t begin, std::size_t end) { kernel(pass, begin, end); });
     }
@@ -99,11 +119,13 @@ private:
     std::vector<Lame> lame_;
     AlignedVector<double> moduli_;
     HexStiffness stiffness_;
-    AlignedVector<float> record_f_;
-    AlignedVector<double> record_d_;
+    PlasticFlow flow_;
+    AlignedVector<double> twist_;       ///< of the last tangent; only where it is exact
+    AlignedVector<float> record_f_, twist_f_;
+    AlignedVector<double> record_d_, twist_d_;
 };
 
-/// Hyperelastic laws in principal stretches, with one volume ratio per element.
+/// Hyperelastic laws, with one volume ratio per element.
 class HyperHexes final : public Elements {
 public:
     HyperHexes(const GroupDef& def, const ElementMaterials& materials)
@@ -114,9 +136,6 @@ public:
           kernel_(hex8_hyper_kernels(def.isa).elements[std::size_t(parameters_.law)]),
           kernels_(hex8_kernels(def.isa)) {
         const Material& first = materials.of(std::size_t(def.group->element[0]));
-        if (kernel_ == nullptr) {
-            throw Error(ErrorCode::unsupported, "material", "Costa's law has no hexahedra; use tetrahedra, or for fibres in hexahedra another hyperelastic law with a fibre_stiffness_pa");
-        }
         def_.project = def.project && is_regularized(first);
         const std::size_t lanes = rest_.blocks() * kBlock;
         inner_.resize(lanes * kHexInner);
@@ -136,7 +155,7 @@ public:
         pass.fibre = parameters_.fibre.data();
         pass.families = parameters_.families;
         pass.position = position;
-        pass.project = def_.project;
+        pass.project = def_.project && outputs.project;
         pass.quaternion = quaternion;
         pass.corner_force = outputs.force;
         pass.energy = outputs.energy;
@@ -152,7 +171,7 @@ public:
     std::optional<Lame> lame(std::size_t) const override { return {}; }
 
     void product(Team& team, const double*, const double* field, double* corner_value) override {
-        const Hex8Product pass{rest_.vertex.data(), {nullptr, inner_.data(), place_.data(), nullptr}, nullptr, field, corner_value};
+        const Hex8Product pass{rest_.vertex.data(), nullptr, {nullptr, inner_.data(), place_.data(), nullptr}, nullptr, nullptr, field, corner_value};
         team.for_range(rest_.blocks(), kBlockChunk, [&](std::size_t begin, std::size_t end) { kernels_.product(pass, begin, end); });
     }
 

@@ -15,7 +15,7 @@
 ///     T = 2 mu I + 2 (lambda tr(S - I) - 2 mu) (tr(S) I - S)^-1,
 /// eigenvalues 2 mu + 2 (lambda tr(S - I) - 2 mu)/(s_i + s_j) in the axes of S: the only ones of d2W/dF2 that can be negative. In corners:
 ///     K_ab += V/2 [g'_a]x^T (R T R^T) [g'_b]x.
-#include "supple/fem/tet4_lanes.h"
+#include "supple/fem/frame_lanes.h"
 #include "supple/math/lane_polar.h"
 #include "supple/math/lane_svd.h"
 #include "supple/math/lanes4.h"
@@ -37,39 +37,6 @@ inline Matrix find_rotation(const Matrix& F, const Vector d[3], const Vector g[3
         return polar_rotation(F, q);
     }
     return rotation_matrix(q);
-}
-
-constexpr int kVoigtRow[6] = {0, 1, 2, 0, 1, 2}, kVoigtColumn[6] = {0, 1, 2, 1, 2, 0};
-
-/// A symmetric tensor kept as [xx yy zz xy yz zx][lane].
-inline Matrix load_symmetric(const double* field) {
-    Matrix A;
-    for (int c = 0; c < 6; ++c) {
-        A.m[kVoigtRow[c]][kVoigtColumn[c]] = A.m[kVoigtColumn[c]][kVoigtRow[c]] = load(field + std::size_t(c) * kBlock);
-    }
-    return A;
-}
-
-/// T of the top comment; mean = lambda tr(S - I), the stress that no shear modulus has part in. Projected: not below zero, and s_i + s_j not below 0.1, where T would grow without bound near inversion.
-inline Matrix twist_stiffness(const Matrix& G, Lanes mu, Lanes mean, bool project) {
-    const Lanes zero(0.0), two(2.0), half(0.5);
-    Matrix S, Q;
-    for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j) S.m[i][j] = half * (G.m[i][j] + G.m[j][i]);
-    jacobi_eigen(S, Q);
-    Lanes t[3];
-    for (int k = 0; k < 3; ++k) {
-        Lanes sum = S.m[(k + 1) % 3][(k + 1) % 3] + S.m[(k + 2) % 3][(k + 2) % 3];
-        if (project) sum = larger(sum, Lanes(0.1));
-        t[k] = two * mu + two * (mean - two * mu) / sum;
-        if (project) t[k] = larger(t[k], zero);
-    }
-    Matrix T;
-    for (int i = 0; i < 3; ++i)
-        for (int j = i; j < 3; ++j) {
-            T.m[i][j] = T.m[j][i] = t[0] * Q.m[i][0] * Q.m[j][0] + t[1] * Q.m[i][1] * Q.m[j][1] + t[2] * Q.m[i][2] * Q.m[j][2];
-        }
-    return T;
 }
 
 template <class Real>
@@ -173,7 +140,6 @@ inline void elements(const Tet4Pass& pass, std::size_t begin, std::size_t end) {
 
 template <Frame frame>
 inline void flow(const Tet4Flow& pass, std::size_t begin, std::size_t end) {
-    const Lanes zero(0.0), one(1.0), half(0.5), third(1.0 / 3.0), tiny(1e-150);
     for (std::size_t at = begin * kBlock; at < end * kBlock; at += kLanes) {
         const std::size_t block = at / kBlock, lane = at % kBlock;
         Vector d[3], g[3];
@@ -188,26 +154,7 @@ inline void flow(const Tet4Flow& pass, std::size_t begin, std::size_t end) {
         store(quaternion + 2 * kBlock, q.y);
         store(quaternion + 3 * kBlock, q.z);
 
-        const double* parameter = pass.parameter + block * kFlowParameters * kBlock + lane;
-        const Lanes yield = load(parameter), cap = load(parameter + kBlock), rate = load(parameter + 2 * kBlock);
-        double* field = pass.plastic + block * 6 * kBlock + lane;
-        Matrix plastic = load_symmetric(field);
-        const Lanes mean = third * (G.m[0][0] + G.m[1][1] + G.m[2][2]);
-        Lanes e[6], square = zero;
-        for (int c = 0; c < 6; ++c) {
-            const int i = kVoigtRow[c], j = kVoigtColumn[c];
-            e[c] = half * (G.m[i][j] + G.m[j][i]) - plastic.m[i][j];
-            if (i == j) e[c] = e[c] - mean;
-            square = square + (i == j ? one : Lanes(2.0)) * e[c] * e[c];
-        }
-        const Lanes norm = root(square), factor = rate * larger(norm - yield, zero) / larger(norm, tiny);
-        square = zero;
-        for (int c = 0; c < 6; ++c) {
-            e[c] = plastic.m[kVoigtRow[c]][kVoigtColumn[c]] + factor * e[c];
-            square = square + (c < 3 ? one : Lanes(2.0)) * e[c] * e[c];
-        }
-        const Lanes size = root(square), shrink = choose(size > cap, cap / larger(size, tiny), one);
-        for (int c = 0; c < 6; ++c) store(field + std::size_t(c) * kBlock, shrink * e[c]);
+        flow_strain(G, pass.parameter + block * kFlowParameters * kBlock + lane, pass.plastic + block * 6 * kBlock + lane);
     }
 }
 
@@ -240,9 +187,7 @@ inline void product(const Tet4Product& pass, std::size_t begin, std::size_t end)
                 if (i == j) S.m[i][j] = S.m[i][j] + pressure;
             }
         if (pass.twist != nullptr) {  // + [T w]x, [w]x = skew(G)
-            const Lanes half(0.5);
-            const Vector w{half * (G.m[2][1] - G.m[1][2]), half * (G.m[0][2] - G.m[2][0]), half * (G.m[1][0] - G.m[0][1])};
-            const Vector t = load_symmetric(pass.twist + block * 6 * kBlock + lane) * w;
+            const Vector t = load_symmetric(pass.twist + block * 6 * kBlock + lane) * axial(G);
             S.m[2][1] = S.m[2][1] + t.x;
             S.m[1][2] = S.m[1][2] - t.x;
             S.m[0][2] = S.m[0][2] + t.y;
@@ -253,17 +198,6 @@ inline void product(const Tet4Product& pass, std::size_t begin, std::size_t end)
         Vector f[4];
         corner_forces(R * S, g, Lanes(0.0) - V, f);
         store_corners(pass.corner_force + (at - pass.corner_block * kBlock) * 16, f, Lanes(0.0), Lanes(0.0));
-    }
-}
-
-/// Columns of [a]x^T X [b]x:  (X (b x e_j)) x a.
-template <class Real, class R4>
-inline void add_twist(const Real* X, R4 a, R4 b, R4& c0, R4& c1, R4& c2) {
-    const R4 x0 = {X[0], X[3], X[5], 0}, x1 = {X[3], X[1], X[4], 0}, x2 = {X[5], X[4], X[2], 0};
-    const R4 y[3] = {x1 * splat<2>(b) - x2 * splat<1>(b), x2 * splat<0>(b) - x0 * splat<2>(b), x0 * splat<1>(b) - x1 * splat<0>(b)};
-    R4* column[3] = {&c0, &c1, &c2};
-    for (int j = 0; j < 3; ++j) {
-        *column[j] += R4{y[j][1] * a[2] - y[j][2] * a[1], y[j][2] * a[0] - y[j][0] * a[2], y[j][0] * a[1] - y[j][1] * a[0], 0};
     }
 }
 
@@ -293,7 +227,9 @@ inline void assemble(const Tet4Assembly<Real>& pass, std::size_t begin, std::siz
                 for (const std::uint32_t* entry = first; entry != last; ++entry) {
                     const Real* record = pass.record + std::size_t(*entry >> 4) * kRecord;
                     const R4 a = load4(record + (*entry & 12u)), b = load4(record + (*entry & 3u) * 4);
-                    add_twist(pass.twist + std::size_t(*entry >> 4) * kTwistRecord, a, b, c0, c1, c2);
+                    const Real* X = pass.twist + std::size_t(*entry >> 4) * kTwistRecord;
+                    const R4 x[3] = {{X[0], X[3], X[5], 0}, {X[3], X[1], X[4], 0}, {X[5], X[4], X[2], 0}};
+                    add_twist(x, a, b, c);
                 }
             }
             c0 *= xyz * scale;

@@ -1,4 +1,5 @@
 #pragma once
+#include <bit>
 #include <cstdint>
 #include <map>
 #include <utility>
@@ -20,5 +21,15 @@ using GmshEntities = std::map<std::pair<int, std::int64_t>, std::vector<std::int
 GmshEntities read_gmsh4_entities(TextScanner& scanner);
 void read_gmsh4_nodes(TextScanner& scanner, MeshBuilder& builder);
 void read_gmsh4_elements(TextScanner& scanner, MeshBuilder& builder, const GmshEntities& entities);
+
+/// The same from bytes.
+void read_gmsh2_nodes_binary(TextScanner& scanner, std::endian order, MeshBuilder& builder);
+void read_gmsh2_elements_binary(TextScanner& scanner, std::endian order, MeshBuilder& builder);
+GmshEntities read_gmsh4_entities_binary(TextScanner& scanner, std::endian order);
+void read_gmsh4_nodes_binary(TextScanner& scanner, std::endian order, MeshBuilder& builder);
+void read_gmsh4_elements_binary(TextScanner& scanner, std::endian order, MeshBuilder& builder, const GmshEntities& entities);
+
+/// A section of element data; taken where it is called "fill".
+void read_gmsh_fill(TextScanner& scanner, bool binary, std::endian order, MeshBuilder& builder);
 
 }  // namespace supple::io

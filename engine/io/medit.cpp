@@ -1,10 +1,10 @@
-#include "supple/io/medit.h"
-
 #include <cctype>
 #include <limits>
 
 #include "supple/io/mesh_builder.h"
+#include "supple/io/number_text.h"
 #include "supple/io/refusals.h"
+#include "supple/io/volume_formats.h"
 
 namespace supple::io {
 
@@ -12,9 +12,6 @@ namespace {
 
 constexpr std::int64_t kBig = std::numeric_limits<std::int64_t>::max();
 constexpr std::int64_t kInt = std::numeric_limits<int>::max();
-
-constexpr ElementType kEdgeType{1, "2-node line", 1, 2};
-constexpr ElementType kQuadType{3, "4-node quadrangle", 2, 4};
 
 struct Section {
     const char* keyword;
@@ -88,9 +85,8 @@ void skip_numbers(TextScanner& scanner) {
 
 }  // namespace
 
-VolumeMesh parse_medit(std::string_view text, const std::string& name) {
-    TextScanner scanner(text, name);
-    MeshBuilder builder;
+void read_medit(const MeshSource& source, MeshBuilder& builder) {
+    TextScanner scanner(source.bytes, source.name);
     std::vector<std::int64_t> references;
     bool has_vertices = false;
     for (skip(scanner); !scanner.at_end(); skip(scanner)) {
@@ -133,7 +129,32 @@ VolumeMesh parse_medit(std::string_view text, const std::string& name) {
         }
         skip_numbers(scanner);
     }
-    return builder.finish(name);
+}
+
+std::string format_medit(const VolumeMesh& mesh) {
+    require_writable_mesh(mesh, "write_mesh");
+    const std::vector<int> tags = element_tags(mesh);
+    std::string text = "MeshVersionFormatted 2\nDimension 3\nVertices\n" + std::to_string(mesh.vertices.size()) + "\n";
+    for (const Vec3& x : mesh.vertices) {
+        append(text, x);
+        text += " 0\n";
+    }
+    std::size_t e = 0;
+    const auto add_elements = [&](const char* keyword, const auto& elements) {
+        if (elements.empty()) return;
+        text += std::string(keyword) + "\n" + std::to_string(elements.size()) + "\n";
+        for (const auto& element : elements) {
+            for (const std::int32_t v : element) {
+                append(text, std::int64_t(v) + 1);
+                text += ' ';
+            }
+            append(text, tags[e++]);
+            text += '\n';
+        }
+    };
+    add_elements("Tetrahedra", mesh.tets);
+    add_elements("Hexahedra", mesh.hexes);
+    return text + "End\n";
 }
 
 }  // namespace supple::io

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <limits>
 
+#include "supple/io/polygon.h"
 #include "supple/io/refusals.h"
+#include "supple/mesh/surface.h"
 
 namespace supple::io {
 
@@ -84,13 +86,16 @@ std::int32_t MeshBuilder::vertex(std::int64_t id) const {
     return found != sparse_.end() && found->first == id ? found->second : -1;
 }
 
+std::int32_t MeshBuilder::known_vertex(const TextScanner& scanner, const char* position, std::int64_t id) const {
+    const std::int32_t v = vertex(id);
+    if (v < 0) scanner.fail("the element uses node " + std::to_string(id) + ", which the file does not define", position);
+    return v;
+}
+
 void MeshBuilder::add_element(const TextScanner& scanner, const char* position, const ElementType& type, std::span<const std::int64_t> ids,
                               std::span<const std::int64_t> physicals) {
     std::int32_t corner[kMostElementVertices];
-    for (std::size_t i = 0; i < ids.size(); ++i) {
-        corner[i] = vertex(ids[i]);
-        if (corner[i] < 0) scanner.fail("the element uses node " + std::to_string(ids[i]) + ", which the file does not define", position);
-    }
+    for (std::size_t i = 0; i < ids.size(); ++i) corner[i] = known_vertex(scanner, position, ids[i]);
     const std::span<const std::int32_t> corners(corner, ids.size());
     std::int32_t region = -1;
     for (std::int64_t tag : physicals) {
@@ -114,7 +119,57 @@ void MeshBuilder::add_element(const TextScanner& scanner, const char* position, 
         hex_group_.push_back(region);
     } else {
         ++lower_count_[type.dimension];
+        if (type.code != 2 && type.code != 3) return;
+        polygon_corners_.insert(polygon_corners_.end(), corners.begin(), corners.end());
+        polygon_ends_.push_back(polygon_corners_.size());
     }
+}
+
+void MeshBuilder::add_polygon(const TextScanner& scanner, const char* position, std::span<const std::int64_t> ids) {
+    for (const std::int64_t id : ids) polygon_corners_.push_back(known_vertex(scanner, position, id));
+    polygon_ends_.push_back(polygon_corners_.size());
+    ++lower_count_[2];
+}
+
+void MeshBuilder::add_vertex_group(const TextScanner& scanner, const char* position, std::string name, std::span<const std::int64_t> ids) {
+    Group& added = groups_.emplace_back(Group{0, 0, std::move(name), false, {}});
+    for (const std::int64_t id : ids) added.vertices.push_back(known_vertex(scanner, position, id));
+}
+
+mesh::TriangleMesh MeshBuilder::finish_surface(const std::string& name) {
+    mesh::TriangleMesh surface;
+    if (mesh_.element_count() > 0) {
+        VolumeMesh volume = finish(name);
+        check_and_repair(volume);
+        surface.triangles = extract_boundary(volume).triangles;
+        std::vector<std::int32_t> number(volume.vertices.size(), -1);
+        for (const Triangle& t : surface.triangles)
+            for (const std::int32_t v : t) number[std::size_t(v)] = 0;
+        for (std::size_t v = 0; v < number.size(); ++v) {
+            if (number[v] < 0) continue;
+            number[v] = std::int32_t(surface.vertices.size());
+            surface.vertices.push_back(volume.vertices[v]);
+        }
+        for (Triangle& t : surface.triangles)
+            for (std::int32_t& v : t) v = number[std::size_t(v)];
+        return surface;
+    }
+    surface.vertices = std::move(mesh_.vertices);
+    std::size_t begin = 0;
+    for (const std::size_t end : polygon_ends_) {
+        append_polygon({polygon_corners_.data() + begin, end - begin}, surface.vertices, surface.triangles);
+        begin = end;
+    }
+    if (surface.triangles.empty()) throw Error(ErrorCode::parse, name, "the file holds no triangles, polygons or volume elements");
+    return surface;
+}
+
+void MeshBuilder::set_fill(const TextScanner& scanner, const char* position, std::vector<double> fill) {
+    if (fill.size() != mesh_.element_count())
+        scanner.fail("the element data \"fill\" has " + std::to_string(fill.size()) + " values for " + std::to_string(mesh_.element_count()) +
+                         " volume elements; it needs one each",
+                     position);
+    mesh_.fill = std::move(fill);
 }
 
 VolumeMesh MeshBuilder::finish(const std::string& name) {

@@ -2,48 +2,88 @@
 
 #include "supple/base/error.h"
 #include "supple/io/binary_file.h"
-#include "supple/io/gmsh.h"
-#include "supple/io/medit.h"
-#include "supple/io/mesh_format.h"
+#include "supple/io/mesh_builder.h"
+#include "supple/io/mesh_formats.h"
 #include "supple/io/refusals.h"
-#include "supple/io/vtk.h"
+#include "supple/io/surface_file.h"
 
 namespace supple::io {
+
+namespace {
+
+/// Finds the format of a file and takes a byte order mark off.
+const InputFormat& format_of(MeshSource& source) {
+    if (source.bytes.empty()) throw Error(ErrorCode::parse, source.name + ":1", "the file is empty");
+    if (source.bytes.substr(0, 3) == "\xEF\xBB\xBF") source.bytes.remove_prefix(3);
+    const InputFormat* format = detect_format(source.bytes, source.name);
+    if (!format) {
+        std::string known;
+        for (const InputFormat& row : input_formats())
+            if (row.read || row.read_surface) known += (known.empty() ? "" : ", ") + std::string(row.endings);
+        throw Error(ErrorCode::unsupported, source.name + ":1", "the format is not recognised; readable are Gmsh, VTK, Medit, TetGen, Vega, "
+                    "Abaqus and the usual surface files (" + known + ")");
+    }
+    return *format;
+}
+
+[[noreturn]] void refuse_unread(const InputFormat& format, const std::string& name) {
+    throw Error(ErrorCode::unsupported, name,
+                "this is " + std::string(format.title) + ", which is not read; " + std::string(format.advice));
+}
+
+VolumeMesh volume_of(MeshSource source) {
+    const InputFormat& format = format_of(source);
+    if (format.is_surface) throw surface_error(source.name, std::string(format.title));
+    if (!format.read) refuse_unread(format, source.name);
+    MeshBuilder builder;
+    format.read(source, builder);
+    return builder.finish(source.name);
+}
+
+mesh::TriangleMesh surface_of(MeshSource source) {
+    const InputFormat& format = format_of(source);
+    if (format.read_surface) return format.read_surface(source);
+    if (!format.read) refuse_unread(format, source.name);
+    MeshBuilder builder;
+    format.read(source, builder);
+    return builder.finish_surface(source.name);
+}
+
+std::filesystem::path folder_of(const std::filesystem::path& file) { return file.has_parent_path() ? file.parent_path() : "."; }
+
+}  // namespace
 
 Error surface_error(const std::string& where, const std::string& holds) {
     return Error(ErrorCode::surface_mesh, where,
                  "this is a surface mesh (" + holds +
                      ", no tetrahedra or hexahedra), but a volume mesh is needed; fill the closed surface with "
-                     "tetrahedra first, e.g. with Gmsh, TetGen or fTetWild, and save it as Gmsh .msh");
+                     "tetrahedra first, e.g. with `supple mesh cook`, Gmsh, TetGen or fTetWild");
 }
 
-VolumeMesh parse_mesh(std::string_view bytes, const std::string& name) {
-    if (bytes.empty()) throw Error(ErrorCode::parse, name + ":1", "the file is empty");
-    if (bytes.substr(0, 3) == "\xEF\xBB\xBF") bytes.remove_prefix(3);
-    const MeshFormat format = detect_mesh_format(bytes, name);
-    switch (format.kind) {
-        case MeshFormat::Kind::gmsh:
-            return parse_gmsh(bytes, name);
-        case MeshFormat::Kind::medit:
-            return parse_medit(bytes, name);
-        case MeshFormat::Kind::vtk_legacy:
-            return parse_vtk_legacy(bytes, name);
-        case MeshFormat::Kind::vtk_xml:
-            return parse_vtk_xml(bytes, name);
-        case MeshFormat::Kind::volume:
-            throw Error(ErrorCode::unsupported, name, "this is " + format.name + ", which is not read; " + format.advice);
-        case MeshFormat::Kind::surface:
-            throw surface_error(name, format.name);
-        case MeshFormat::Kind::unknown:
-            break;
-    }
-    throw Error(ErrorCode::unsupported, name + ":1",
-                "the format is not recognised; readable are meshes of tetrahedra in Gmsh 1, 2.2 and 4.1, Medit, VTK legacy and VTU files, "
-                "all as ASCII");
+VolumeMesh parse_mesh(std::string_view bytes, const std::string& name) { return volume_of({bytes, name, {}}); }
+
+VolumeMesh read_mesh(const std::filesystem::path& file) {
+    const std::string bytes = read_text_file(file);
+    return volume_of({bytes, file.string(), folder_of(file)});
 }
 
-VolumeMesh read_mesh(const std::filesystem::path& file) { return parse_mesh(read_text_file(file), file.string()); }
+void write_mesh(const std::filesystem::path& file, const VolumeMesh& mesh, std::string_view format) {
+    const OutputFormat& chosen = choose_volume_format(file, format);
+    if (!mesh.fill.empty() && chosen.key.substr(0, 4) != "gmsh")
+        throw Error(ErrorCode::unsupported, file.string(),
+                    "this mesh has elements that are filled in part, which only Gmsh files hold; write a .msh file, or clear VolumeMesh::fill to fill them");
+    chosen.write(file, mesh);
+}
 
-void write_gmsh(const std::filesystem::path& file, const VolumeMesh& mesh) { write_text_file(file, format_gmsh(mesh)); }
+mesh::TriangleMesh parse_surface(std::string_view bytes, const std::string& name) { return surface_of({bytes, name, {}}); }
+
+mesh::TriangleMesh read_surface(const std::filesystem::path& file) {
+    const std::string bytes = read_text_file(file);
+    return surface_of({bytes, file.string(), folder_of(file)});
+}
+
+void write_surface(const std::filesystem::path& file, const mesh::TriangleMesh& mesh, std::string_view format) {
+    choose_surface_format(file, format).write_surface(file, mesh);
+}
 
 }  // namespace supple::io

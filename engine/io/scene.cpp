@@ -15,7 +15,7 @@ void require_keys(const JsonNode& node, std::vector<std::string_view> known, std
     }
 }
 
-Scene parse_scene(const std::string& text, const std::filesystem::path& folder, const std::string& name) {
+Scene parse_scene(const std::string& text, const std::filesystem::path& folder, const std::string& name, int refine) {
     const nlohmann::json document = parse_json(text, name);
     const JsonNode root(document, name);
     root.require_object({"supple_scene", "time_step_s", "gravity_m_s2", "threads", "solver", "bodies", "colliders", "camera"});
@@ -30,6 +30,7 @@ Scene parse_scene(const std::string& text, const std::filesystem::path& folder, 
     if (root.has("solver")) scene.world.solver = read_solver(root.at("solver"));
     if (root.has("camera")) scene.camera = read_camera(root.at("camera"));
     SceneContext context{folder, {}};
+    context.refine = refine;
     const JsonNode bodies = root.at("bodies", "give a list of at least one body");
     for (const JsonNode& body : bodies.items()) scene.bodies.push_back(read_body(body, context));
     if (scene.bodies.empty()) bodies.fail("the list is empty; give at least one body");
@@ -39,7 +40,7 @@ Scene parse_scene(const std::string& text, const std::filesystem::path& folder, 
     return scene;
 }
 
-Scene read_scene(const std::filesystem::path& file) { return parse_scene(read_text_file(file), file.parent_path(), file.string()); }
+Scene read_scene(const std::filesystem::path& file, int refine) { return parse_scene(read_text_file(file), file.parent_path(), file.string(), refine); }
 
 World build_world(const Scene& scene, const LogSink& log) {
     WorldDef def = scene.world;

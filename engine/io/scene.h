@@ -45,19 +45,25 @@ struct Scene {
 ///             box {half_extents_m or min_m, max_m}, mesh {file, scale, cells}; name, position_m, rotation_wxyz, friction; fixed, or
 ///             motion {times_s, positions_m, rotations_wxyz}: follows them; mass_kg, velocity_m_s, spin_rad_s: moved by what it touches and by gravity;
 ///             mass_kg and tool {stiffness_n_m, damping_n_s_m, max_force_n, torsion_nm_rad, max_torque_nm}: drawn along `motion`}]
-///   bodies   [{name, mesh: "file" or box: {min_m, max_m, cells: [nx, ny, nz], elements: "tets"}, scale, translation_m, velocity_m_s,
+///   bodies   [{name, mesh: "file" or box: {min_m, max_m, cells: [nx, ny, nz], elements: "tets"}, scale, units, up, refine, skin: "surface file", translation_m, velocity_m_s,
 ///   density_kg_m3,
 ///             material {law, rotation, young_pa, poisson}, or of a hyperelastic law {law, its parameters, fibre, sheet, fibre_stiffness_pa,
 ///             fibre_exponent, sheet_stiffness_pa, sheet_exponent, matrix_regularization},
-///             regions [{<selection>, material, stiffness_factor, density_kg_m3}],
+///             regions [{<selection>, elements: "all_vertices" | "centre", material, stiffness_factor, density_kg_m3}],
 ///             fixed [{<selection>, axes}], prescribed [{<selection>, axes, displacement_m | velocity_m_s | affine, times_s}],
 ///             loads [{<selection>, force_n | force_per_vertex_n | traction_pa | pressure_pa (follower: true) | moment_nm
 ///                    (axis: [x, y, z], follower: true) | body_force_n_m3, times_s}],
 ///             probes [{<selection>, name, threshold_pa, threshold_m, strain}]}]
 ///
-/// <selection> is one of "box": {min_m, max_m}, "sphere": {centre_m, radius_m}, "vertices": [ids from 0], "group": "name", "all": true, or
-/// "selection": one of these or "all"; an entry of `fixed` may be the word "all" alone. Boxes and spheres are closed and look at the scaled
+/// units ("m", "dm", "cm", "mm", "um", "km", "in", "ft") are those of the mesh file's lengths and go beside scale; up ("y", "z", "x", "-y", "-z",
+/// "-x") is the file's axis that becomes +y. Everything else in the scene is in metres and in the turned axes.
+///
+/// <selection> is one of "box": {min_m, max_m}, "sphere": {centre_m, radius_m}, "capsule": {a_m, b_m, radius_m}, "vertices": [ids from 0], "group": "name", "all": true, or
+/// "selection": one of these or "all"; an entry of `fixed` may be the word "all" alone. Boxes, spheres and capsules are closed and look at the scaled
 /// rest shape, before translation_m. A selection that selects nothing is an error.
+///
+/// refine cuts every element into eight, so many times. skin is a surface in the mesh file's coordinates (any surface file, or a .skin file) that is drawn and
+/// picked in place of the mesh's boundary. A region holds the elements that have all their vertices in its selection, or their centre ("elements": "centre").
 ///
 /// Loads are those of world/loads.h: traction_pa (a vector), pressure_pa and moment_nm also take "triangles": [numbers of boundary triangles from 0] in
 /// place of a selection. pressure_pa and moment_nm are numbers; a positive pressure pushes into the body.
@@ -73,10 +79,11 @@ struct Scene {
 /// Keys and words of the scene format that this build does not do (other laws, integrators, ...) are
 /// refused with Error(unsupported), never ignored.
 /// @error Error(parse) "file:line" for syntax, "file:/json/pointer" for meaning; an unknown key names the nearest known one
-Scene read_scene(const std::filesystem::path& file);
+/// @param refine  times that every mesh is refined (1 -> 8), besides the "refine" of its body
+Scene read_scene(const std::filesystem::path& file, int refine = 0);
 
 /// The same from memory; `name` stands for the file in messages.
-Scene parse_scene(const std::string& text, const std::filesystem::path& folder, const std::string& name);
+Scene parse_scene(const std::string& text, const std::filesystem::path& folder, const std::string& name, int refine = 0);
 
 /// Builds the world: bodies in the order of the file, with their supports, motions and loads.
 World build_world(const Scene& scene, const LogSink& log = {});

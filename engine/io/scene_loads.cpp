@@ -37,6 +37,10 @@ Selection read_selection_key(const JsonNode& node, std::string_view key, const V
         value.require_object({"centre_m", "radius_m"});
         return InsideSphere{value.at("centre_m").vec3(), value.at("radius_m").number(0, 1e9)};
     }
+    if (key == "capsule") {
+        value.require_object({"a_m", "b_m", "radius_m"});
+        return InsideCapsule{value.at("a_m").vec3(), value.at("b_m").vec3(), value.at("radius_m").number(0, 1e9)};
+    }
     if (key == "group") return InGroup{value.text()};
     VertexList list;
     if (!value.is_array()) value.fail("must be a list of vertex numbers, counted from 0, found " + value.shown());
@@ -227,7 +231,7 @@ Selection read_selection(const JsonNode& node, const VolumeMesh& mesh) {
         return selection;
     }
     if (!node.is_object()) {
-        node.fail("must be \"all\" or an object with one of \"box\", \"sphere\", \"vertices\", \"group\" and \"all\", found " +
+        node.fail("must be \"all\" or an object with one of \"box\", \"sphere\", \"capsule\", \"vertices\", \"group\" and \"all\", found " +
                   node.shown());
     }
     const std::string_view key = only_key(

@@ -116,12 +116,15 @@ Material read_region_material(const JsonNode& node, const BodyDef& def) {
 }
 
 void read_region(const JsonNode& node, BodyDef& def) {
-    require_keys(node, with_selection_keys({"material", "stiffness_factor", "density_kg_m3"}));
+    require_keys(node, with_selection_keys({"elements", "material", "stiffness_factor", "density_kg_m3"}));
     const VolumeMesh& mesh = def.shape->mesh();
     MaterialRegion region;
     region.where = read_selection(node, mesh);
-    if (select_elements(mesh, region.where).empty()) {
-        node.fail("the region holds no element: an element belongs to it when all its vertices are selected; make the selection larger");
+    if (node.has("elements") && node.at("elements").choice({"all_vertices", "centre"}) == "centre") region.rule = ElementRule::centre;
+    if (select_elements(mesh, region.where, region.rule).empty()) {
+        node.fail(region.rule == ElementRule::centre
+                      ? "the region holds no element: no element's centre is selected; make the selection larger"
+                      : "the region holds no element: an element belongs to it when all its vertices are selected; make the selection larger, or give \"elements\": \"centre\"");
     }
     if (!node.has("material") && !node.has("stiffness_factor") && !node.has("density_kg_m3")) {
         node.fail("the region changes nothing; give \"material\", \"stiffness_factor\" or \"density_kg_m3\"");

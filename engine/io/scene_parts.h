@@ -4,7 +4,7 @@
 #include <map>
 #include <memory>
 #include <string>
-#include <utility>
+#include <tuple>
 #include <vector>
 
 #include "supple/io/json_node.h"
@@ -15,7 +15,9 @@ namespace supple::io {
 /// What the readers of a scene's parts share.
 struct SceneContext {
     std::filesystem::path folder;                                                          ///< mesh paths are relative to it
-    std::map<std::pair<std::string, double>, std::shared_ptr<const BodyTemplate>> shapes;  ///< by mesh file and scale: bodies share them
+    std::map<std::tuple<std::string, std::string, double>, std::shared_ptr<const BodyTemplate>> shapes;  ///< by file, up and scale: bodies share them
+    std::map<std::pair<std::string, const BodyTemplate*>, std::shared_ptr<const Skin>> skins{};  ///< by surface file and shape
+    int refine = 0;  ///< times that every mesh is refined besides what its body says
 };
 
 /// `node` must be an object with keys out of `known` and `planned`; one of `planned` is Error(unsupported) with `message`.
@@ -29,7 +31,7 @@ ColliderDef read_collider(const JsonNode& node, SceneContext& context);
 
 /// A box given by corners: min_m below max_m in every coordinate (or equal, where `may_be_flat`).
 InsideBox read_box(const JsonNode& node, bool may_be_flat);
-/// "all", {"box"}, {"sphere"}, {"vertices"}, {"group"} or {"all": true}, also under the key "selection"; at least one vertex is selected.
+/// "all", {"box"}, {"sphere"}, {"capsule"}, {"vertices"}, {"group"} or {"all": true}, also under the key "selection"; at least one vertex is selected.
 Selection read_selection(const JsonNode& node, const VolumeMesh& mesh);
 /// Fills fixed, prescribed and loads.
 void read_supports_and_loads(const JsonNode& node, SceneBody& body);
@@ -38,7 +40,7 @@ void read_supports_and_loads(const JsonNode& node, SceneBody& body);
 void read_probes(const JsonNode& node, SceneBody& body);
 
 /// The selection keys that an entry of `fixed`, `prescribed`, `loads`, `probes` or `regions` may hold directly.
-inline constexpr std::array<std::string_view, 6> kSelectionKeys = {"box", "sphere", "vertices", "group", "all", "selection"};
+inline constexpr std::array<std::string_view, 7> kSelectionKeys = {"box", "sphere", "capsule", "vertices", "group", "all", "selection"};
 /// These and the given ones.
 std::vector<std::string_view> with_selection_keys(std::initializer_list<std::string_view> keys);
 

@@ -150,7 +150,11 @@ std::size_t TextScanner::plausible(std::int64_t count, std::size_t least_bytes_e
     return std::size_t(std::min<std::uint64_t>(count < 0 ? 0 : std::uint64_t(count), bytes_left() / least_bytes_each + 1));
 }
 
-std::string TextScanner::where(const char* position) const { return name_ + ":" + std::to_string(1 + std::count(begin_, position, '\n')); }
+std::string TextScanner::where(const char* position) const {
+    if (!position) return name_;
+    if (binary_ && position >= binary_) return name_ + ":byte " + std::to_string(position - begin_);
+    return name_ + ":" + std::to_string(1 + std::count(begin_, position, '\n'));
+}
 
 void TextScanner::fail(const std::string& message, const char* position, ErrorCode code) const {
     throw Error(code, where(position), message);

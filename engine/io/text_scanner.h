@@ -42,7 +42,9 @@ public:
     std::size_t plausible(std::int64_t count, std::size_t least_bytes_each) const;
 
     std::string where() const { return where(at_); }
-    std::string where(const char* position) const;  ///< "name:line"
+    std::string where(const char* position) const;  ///< "name:line", or "name:byte N" (from 0) in bytes; the name alone for null
+    /// What lies from `begin` on is bytes, not text: where() counts no lines there.
+    void set_binary_from(const char* begin) { binary_ = begin; }
     [[noreturn]] void fail(const std::string& message) const { fail(message, at_); }
     [[noreturn]] void fail(const std::string& message, const char* position, ErrorCode code = ErrorCode::parse) const;
 
@@ -53,6 +55,7 @@ private:
     const char* begin_;
     const char* at_;
     const char* end_;
+    const char* binary_ = nullptr;
     std::string name_;
 };
 

@@ -61,7 +61,7 @@ struct Corotational {
     Integration integration = Integration::incompatible;  ///< of hexahedra
 };
 
-/// Derivative of a corotational tetrahedron's force (rotation polar or svd).
+/// Derivative of a corotational element's force (rotation polar or svd).
 enum class Tangent {
     automatic,  ///< in a World exact for the static integrator, warped for the others; in force_differential() warped
     warped,     ///< R K R^T, the rotation held: always positive definite, cheapest; one iteration of it is as good at small strain

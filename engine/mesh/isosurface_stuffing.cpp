@@ -21,10 +21,12 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include "supple/base/error.h"
+#include "supple/base/parallel.h"
 #include "supple/mesh/bcc_lattice.h"
 #include "supple/mesh/manifold.h"
 #include "supple/mesh/quality.h"
@@ -66,7 +68,7 @@ BccLattice make_lattice(const StuffingDef& def) {
 
 class Stuffer {
 public:
-    Stuffer(ImplicitShape shape, const StuffingDef& def) : shape_(shape), def_(def), lattice_(make_lattice(def)) {}
+    Stuffer(ImplicitShape shape, const StuffingDef& def, Team& team) : shape_(shape), def_(def), team_(team), lattice_(make_lattice(def)) {}
 
     VolumeMesh run(StuffingReport& report) {
         evaluate_points();
@@ -91,23 +93,49 @@ private:
     };
     using Prism = std::array<std::int32_t, 3>;
 
-    double evaluate(const Vec3& x) {
-        ++evaluations_;
+    /// What a chunk of a loop over lattice points found; nothing may be thrown inside of one.
+    struct Findings {
+        std::int64_t evaluations = 0;
+        std::optional<Vec3> not_a_number;
+        std::vector<Cut> cuts;
+    };
+
+    double evaluate(const Vec3& x, Findings& findings) const {
+        ++findings.evaluations;
         const double value = shape_(x);
-        if (std::isnan(value))
-            refuse("stuff_isosurface", "the shape is not a number at (" + to_text(x.x()) + ", " + to_text(x.y()) + ", " + to_text(x.z()) +
-                                           ") m; it must have a sign everywhere in the box");
+        if (std::isnan(value) && !findings.not_a_number) findings.not_a_number = x;
         return value;
+    }
+
+    /// Runs visit(point id, findings) for all lattice points; chunks and the order of what they find do not depend on the team.
+    template <class Visit>
+    std::vector<Findings> for_points(Visit&& visit) {
+        constexpr std::size_t kGrain = 512;
+        const auto points = static_cast<std::size_t>(lattice_.points());
+        std::vector<Findings> findings((points + kGrain - 1) / kGrain);
+        team_.for_range(points, kGrain, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) visit(static_cast<std::int64_t>(i), findings[begin / kGrain]);
+        });
+        for (const Findings& f : findings) take(f);
+        return findings;
+    }
+
+    void take(const Findings& f) {
+        evaluations_ += f.evaluations;
+        if (!f.not_a_number) return;
+        const Vec3& x = *f.not_a_number;
+        refuse("stuff_isosurface", "the shape is not a number at (" + to_text(x.x()) + ", " + to_text(x.y()) + ", " + to_text(x.z()) +
+                                       ") m; it must have a sign everywhere in the box");
     }
 
     void evaluate_points() {
         value_.resize(lattice_.points());
+        for_points([&](std::int64_t i, Findings& findings) { value_[i] = evaluate(lattice_.position(lattice_.point(i)), findings); });
         bool any_inside = false;
         for (std::int64_t i = 0; i < lattice_.points(); ++i) {
+            if (value_[i] > 0) continue;
             const Point p = lattice_.point(i);
             const Vec3 x = lattice_.position(p);
-            value_[i] = evaluate(x);
-            if (value_[i] > 0) continue;
             if (lattice_.on_rim(p))
                 refuse("StuffingDef.max_m", "the shape reaches beyond the box, to (" + to_text(x.x()) + ", " + to_text(x.y()) + ", " +
                                                 to_text(x.z()) + ") m; give a box that holds it all (and negative values inside only)");
@@ -121,7 +149,7 @@ private:
     /// Where the shape changes sign between x0 (value f0) and x1 (value f1): fraction of the way, in (0, 1). False position; an end
     /// that stays has its value halved (Illinois), and three steps that leave more than half of the bracket are followed by a
     /// bisection, so that jumps converge too.
-    double find_root(const Vec3& x0, double f0, const Vec3& x1, double f1) {
+    double find_root(const Vec3& x0, double f0, const Vec3& x1, double f1, Findings& findings) const {
         const bool negative_first = f0 < 0;
         const double largest = std::max(std::abs(f0), std::abs(f1)), accept = std::isfinite(largest) ? 1e-12 * largest : 0;
         double lo = 0, hi = 1;
@@ -130,8 +158,8 @@ private:
             const double width = hi - lo;
             double t = lo + width * (f0 / (f0 - f1));
             if (slow_steps >= 3 || !(t > lo && t < hi)) t = 0.5 * (lo + hi);
-            const double f = evaluate(x0 + t * (x1 - x0));
-            if (std::abs(f) <= accept) return t;
+            const double f = evaluate(x0 + t * (x1 - x0), findings);
+            if (std::isnan(f) || std::abs(f) <= accept) return t;
             if ((f < 0) == negative_first) {
                 lo = t;
                 f0 = f;
@@ -149,17 +177,18 @@ private:
     }
 
     void find_cuts() {
-        for (std::int64_t i = 0; i < lattice_.points(); ++i) {
-            if (value_[i] == 0) continue;
+        const std::vector<Findings> findings = for_points([&](std::int64_t i, Findings& found) {
+            if (value_[i] == 0) return;
             const Point p = lattice_.point(i);
             for (int d = 0; d < BccLattice::kDirections; d += 2) {
                 const Point q = BccLattice::neighbour(p, d);
                 if (!lattice_.contains(q)) continue;
                 const double other = value_[lattice_.id(q)];
                 if (other == 0 || (value_[i] < 0) == (other < 0)) continue;
-                cuts_.push_back({7 * i + d / 2, find_root(lattice_.position(p), value_[i], lattice_.position(q), other)});
+                found.cuts.push_back({7 * i + d / 2, find_root(lattice_.position(p), value_[i], lattice_.position(q), other, found)});
             }
-        }
+        });
+        for (const Findings& f : findings) cuts_.insert(cuts_.end(), f.cuts.begin(), f.cuts.end());
     }
 
     /// The cut on the edge from p in a direction, or none; `from_p` is its fraction seen from p.
@@ -312,7 +341,10 @@ private:
         for (int i = 0; i < 4; ++i) x[i] = point_position(on[i]);
         const TetQuality q = tet_quality(x[0], x[1], x[2], x[3]);
         if (q.min_dihedral_deg < kWorstMin_deg || q.max_dihedral_deg > kWorstMax_deg) return;
-        if (evaluate(0.25 * (x[0] + x[1] + x[2] + x[3])) >= 0) return;
+        Findings findings;
+        const double value = evaluate(0.25 * (x[0] + x[1] + x[2] + x[3]), findings);
+        take(findings);
+        if (value >= 0) return;
         emit({point_vertex(on[0]), point_vertex(on[1]), point_vertex(on[2]), point_vertex(on[3])});
         ++filled_;
     }
@@ -368,6 +400,7 @@ private:
 
     ImplicitShape shape_;
     const StuffingDef& def_;
+    Team& team_;
     BccLattice lattice_;
     std::vector<double> value_;                          // per lattice point; 0 once it lies on the surface
     std::vector<Cut> cuts_;                              // ascending by key
@@ -380,9 +413,10 @@ private:
 
 }  // namespace
 
-VolumeMesh stuff_isosurface(ImplicitShape shape, const StuffingDef& def, StuffingReport* report) {
+VolumeMesh stuff_isosurface(ImplicitShape shape, const StuffingDef& def, StuffingReport* report, Team* team) {
     StuffingReport own;
-    VolumeMesh mesh = Stuffer(shape, def).run(own);
+    Team alone;
+    VolumeMesh mesh = Stuffer(shape, def, team ? *team : alone).run(own);
     const ManifoldReport repair = make_boundary_manifold(mesh);
     own.split_vertices = repair.split_vertices;
     own.removed_tets = repair.removed_tets;

@@ -6,6 +6,8 @@
 
 namespace supple {
 
+class Team;
+
 /// A shape given by a function of position [m]: negative inside, positive outside, zero on the surface. Distance-like values place
 /// the surface fastest, but only the sign matters in the end: an occupancy or a winding number (0.5 - w) works as well.
 using ImplicitShape = FunctionRef<double(const Vec3&)>;
@@ -35,8 +37,9 @@ struct StuffingReport {
 /// Fills an implicit shape with well-shaped tetrahedra on a body-centred cubic lattice (isosurface stuffing). The boundary is a
 /// closed manifold whose vertices lie on the surface; features smaller than edge_m are lost. Deterministic: the same mesh for the
 /// same input on every thread count. Time and memory O(lattice points) = O(2 box volume / edge_m^3).
+/// @param team  shares the evaluations; the shape is then called from all of its threads at once. Null: one thread
 /// @error Error(invalid_argument) for an illegal definition, a value of the shape that is NaN, a shape that reaches beyond the box
 ///        or that has no inside at this edge length, or a lattice of more than 2^30 points
-VolumeMesh stuff_isosurface(ImplicitShape shape, const StuffingDef& def, StuffingReport* report = nullptr);
+VolumeMesh stuff_isosurface(ImplicitShape shape, const StuffingDef& def, StuffingReport* report = nullptr, Team* team = nullptr);
 
 }  // namespace supple

@@ -39,6 +39,18 @@ TetQuality tet_quality(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& 
     return quality;
 }
 
+double hex_scaled_jacobian(const std::array<Vec3, 8>& x) {
+    // The neighbours of each corner, right-handed.
+    constexpr int next[8][3] = {{1, 3, 4}, {2, 0, 5}, {3, 1, 6}, {0, 2, 7}, {7, 5, 0}, {4, 6, 1}, {5, 7, 2}, {6, 4, 3}};
+    double least = 1;
+    for (int c = 0; c < 8; ++c) {
+        const Vec3 u = x[next[c][0]] - x[c], v = x[next[c][1]] - x[c], w = x[next[c][2]] - x[c];
+        const double lengths = u.norm() * v.norm() * w.norm();
+        least = std::min(least, lengths > 0 ? u.dot(v.cross(w)) / lengths : 0.0);
+    }
+    return least;
+}
+
 MeshQuality tet_mesh_quality(const VolumeMesh& mesh) {
     MeshQuality out;
     if (mesh.tets.empty()) return out;

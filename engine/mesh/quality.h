@@ -24,4 +24,7 @@ struct MeshQuality {
 /// @pre vertex indices in range. All zero and worst_tet = -1 for a mesh without tets.
 MeshQuality tet_mesh_quality(const VolumeMesh& mesh);
 
+/// Least over the corners of a hexahedron of the determinant of its three edges there, each of unit length: 1 for a box, 0 or less where folded.
+double hex_scaled_jacobian(const std::array<Vec3, 8>& x);
+
 }  // namespace supple

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
+#include <type_traits>
 
 #include "supple/base/error.h"
 
@@ -12,21 +14,39 @@ using Mask = std::vector<char>;  // one per vertex
 
 [[noreturn]] void refuse(const char* where, const std::string& message) { throw Error(ErrorCode::invalid_argument, where, message); }
 
-void mark(const VolumeMesh&, const Everything&, Mask& mask) { std::fill(mask.begin(), mask.end(), char{1}); }
+using Points = std::span<const Vec3>;
 
-void mark(const VolumeMesh& mesh, const InsideBox& box, Mask& mask) {
+void check_radius(double radius_m, const char* where) {
+    if (!(radius_m >= 0)) refuse(where, "radius is " + to_text(radius_m) + " m; give one >= 0");
+}
+
+void mark(Points, const Everything&, Mask& mask) { std::fill(mask.begin(), mask.end(), char{1}); }
+
+void mark(Points points, const InsideBox& box, Mask& mask) {
     for (int k = 0; k < 3; ++k)
         if (!(box.min_m[k] <= box.max_m[k]))
             refuse("InsideBox.max_m", std::string("box runs in ") + "xyz"[k] + " from " + to_text(box.min_m[k]) + " to " +
                                           to_text(box.max_m[k]) + " m; give min <= max");
     for (std::size_t v = 0; v < mask.size(); ++v)
-        mask[v] = (mesh.vertices[v].array() >= box.min_m.array()).all() && (mesh.vertices[v].array() <= box.max_m.array()).all();
+        mask[v] = (points[v].array() >= box.min_m.array()).all() && (points[v].array() <= box.max_m.array()).all();
 }
 
-void mark(const VolumeMesh& mesh, const InsideSphere& sphere, Mask& mask) {
+void mark(Points points, const InsideSphere& sphere, Mask& mask) {
     if (!sphere.centre_m.allFinite()) refuse("InsideSphere.centre_m", "the centre is not finite; give three finite coordinates [m]");
-    if (!(sphere.radius_m >= 0)) refuse("InsideSphere.radius_m", "radius is " + to_text(sphere.radius_m) + " m; give one >= 0");
-    for (std::size_t v = 0; v < mask.size(); ++v) mask[v] = (mesh.vertices[v] - sphere.centre_m).norm() <= sphere.radius_m;
+    check_radius(sphere.radius_m, "InsideSphere.radius_m");
+    for (std::size_t v = 0; v < mask.size(); ++v) mask[v] = (points[v] - sphere.centre_m).norm() <= sphere.radius_m;
+}
+
+void mark(Points points, const InsideCapsule& capsule, Mask& mask) {
+    if (!capsule.a_m.allFinite() || !capsule.b_m.allFinite()) refuse("InsideCapsule.a_m", "an end is not finite; give three finite coordinates [m] each");
+    check_radius(capsule.radius_m, "InsideCapsule.radius_m");
+    const Vec3 along = capsule.b_m - capsule.a_m;
+    const double length2 = along.squaredNorm();
+    for (std::size_t v = 0; v < mask.size(); ++v) {
+        const Vec3 from_a = points[v] - capsule.a_m;
+        const double t = length2 > 0 ? std::clamp(from_a.dot(along) / length2, 0.0, 1.0) : 0.0;
+        mask[v] = (from_a - t * along).norm() <= capsule.radius_m;
+    }
 }
 
 void mark(const VolumeMesh&, const VertexList& list, Mask& mask) {
@@ -79,10 +99,48 @@ void mark(const VolumeMesh& mesh, const InGroup& group, Mask& mask) {
     }
 }
 
+template <class Shape>
+constexpr bool kHasInside = !std::is_same_v<Shape, VertexList> && !std::is_same_v<Shape, InGroup>;
+
 Mask make_mask(const VolumeMesh& mesh, const Selection& selection) {
     Mask mask(mesh.vertices.size(), 0);
-    std::visit([&](const auto& s) { mark(mesh, s, mask); }, selection);
+    std::visit(
+        [&](const auto& s) {
+            if constexpr (kHasInside<std::decay_t<decltype(s)>>)
+                mark(mesh.vertices, s, mask);
+            else
+                mark(mesh, s, mask);
+        },
+        selection);
     return mask;
+}
+
+template <class Element>
+void append_centres(const VolumeMesh& mesh, const std::vector<Element>& elements, std::vector<Vec3>& centres) {
+    for (const Element& element : elements) {
+        Vec3 sum = Vec3::Zero();
+        for (const std::int32_t v : element) sum += mesh.vertices[std::size_t(v)];
+        centres.push_back(sum / double(element.size()));
+    }
+}
+
+std::vector<std::int32_t> select_by_centre(const VolumeMesh& mesh, const Selection& selection) {
+    std::vector<Vec3> centres;
+    append_centres(mesh, mesh.tets, centres);
+    append_centres(mesh, mesh.hexes, centres);
+    Mask mask(centres.size(), 0);
+    std::visit(
+        [&](const auto& s) {
+            if constexpr (kHasInside<std::decay_t<decltype(s)>>)
+                mark(centres, s, mask);
+            else
+                refuse("ElementRule::centre", "a vertex list or a group has no inside; select by box, sphere or capsule, or by all vertices");
+        },
+        selection);
+    std::vector<std::int32_t> out;
+    for (std::size_t e = 0; e < mask.size(); ++e)
+        if (mask[e]) out.push_back(static_cast<std::int32_t>(e));
+    return out;
 }
 
 }  // namespace
@@ -95,9 +153,10 @@ std::vector<std::int32_t> select_vertices(const VolumeMesh& mesh, const Selectio
     return out;
 }
 
-std::vector<std::int32_t> select_elements(const VolumeMesh& mesh, const Selection& selection) {
+std::vector<std::int32_t> select_elements(const VolumeMesh& mesh, const Selection& selection, ElementRule rule) {
     if (const auto* group = std::get_if<InGroup>(&selection); group && has_region(mesh, group->name))
         return elements_of_region(mesh, group->name);
+    if (rule == ElementRule::centre) return select_by_centre(mesh, selection);
     const Mask mask = make_mask(mesh, selection);
     const auto chosen = [&](std::int32_t v) { return mask[v] != 0; };
     std::vector<std::int32_t> out;

@@ -15,6 +15,11 @@ struct InsideSphere {
     Vec3 centre_m;
     double radius_m;
 };
+/// The points nearer than radius_m to the segment from a_m to b_m.
+struct InsideCapsule {
+    Vec3 a_m, b_m;
+    double radius_m;
+};
 struct VertexList {
     std::vector<std::int32_t> vertices;
 };
@@ -23,13 +28,18 @@ struct InGroup {
 };
 struct Everything {};
 
-/// Which vertices a support, motion or load acts on; boxes and spheres are closed and look at rest positions.
-using Selection = std::variant<Everything, InsideBox, InsideSphere, VertexList, InGroup>;
+/// Which vertices a support, motion or load acts on; boxes, spheres and capsules are closed and look at rest positions.
+using Selection = std::variant<Everything, InsideBox, InsideSphere, VertexList, InGroup, InsideCapsule>;
+
+/// Which elements a selection takes: those with all their vertices selected, or those whose centre lies in the box, sphere or capsule (thin shapes, painted
+/// regions). InGroup with a region's name is the region's elements in both cases.
+enum class ElementRule { all_vertices, centre };
 
 /// Selected vertex ids, ascending, no duplicates. A vertex list out of range or an unknown group is an Error that names the known groups.
 std::vector<std::int32_t> select_vertices(const VolumeMesh& mesh, const Selection& selection);
 
-/// Selected elements: those with all their vertices selected (InGroup with a region's name: the region's elements).
-std::vector<std::int32_t> select_elements(const VolumeMesh& mesh, const Selection& selection);
+/// Selected elements, ascending.
+/// @error as select_vertices(); Error(invalid_argument) for ElementRule::centre with a vertex list or group, which have no inside
+std::vector<std::int32_t> select_elements(const VolumeMesh& mesh, const Selection& selection, ElementRule rule = ElementRule::all_vertices);
 
 }  // namespace supple

@@ -53,6 +53,9 @@ void check_input(const VolumeMesh& mesh) {
     if (!mesh.element_region.empty() && mesh.element_region.size() != mesh.element_count())
         refuse(mesh, "element_region has " + std::to_string(mesh.element_region.size()) + " entries for " +
                          std::to_string(mesh.element_count()) + " elements; give one per element, or none");
+    if (!mesh.fill.empty() && mesh.fill.size() != mesh.element_count())
+        refuse(mesh, "fill has " + std::to_string(mesh.fill.size()) + " entries for " + std::to_string(mesh.element_count()) +
+                         " elements; give one per element, or none");
     for (std::size_t e = 0; e < mesh.element_region.size(); ++e)
         if (const std::int32_t r = mesh.element_region[e]; r < -1 || r >= static_cast<std::int64_t>(mesh.regions.size()))
             refuse(mesh, "element " + std::to_string(e) + " is in region " + std::to_string(r) + "; legal are -1 (none) to " +
@@ -215,6 +218,7 @@ MeshReport check_and_repair(VolumeMesh& mesh) {
     drop(mesh.hexes, hexes_removed);
     removed.insert(removed.end(), hexes_removed.begin(), hexes_removed.end());
     if (!mesh.element_region.empty()) drop(mesh.element_region, removed);
+    if (!mesh.fill.empty()) drop(mesh.fill, removed);
     if (mesh.element_count() == 0)
         throw Error(ErrorCode::surface_mesh, mesh_name(mesh),
                     "all " + std::to_string(elements_given) +

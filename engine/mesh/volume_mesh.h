@@ -32,6 +32,7 @@ struct VolumeMesh {
     std::vector<Hex> hexes;
     std::vector<Region> regions;               ///< may be empty
     std::vector<std::int32_t> element_region;  ///< per element: index into regions, -1 for none; empty if there are no regions
+    std::vector<double> fill;  ///< per element: the part of it that holds matter, (0, 1], multiplies stiffness and density; empty: all full
     std::vector<VertexGroup> groups;
     std::string source;  ///< file name or description, for messages
 
@@ -56,7 +57,7 @@ struct MeshReport {
 };
 
 /// Rewinds, removes and counts as MeshReport says. Zero volume means |V| <= 1e-12 x (longest edge)^3.
-/// Regions and groups keep their order and names; element_region follows the elements that stay. Tets swap their last two
+/// Regions and groups keep their order and names; element_region and fill follow the elements that stay. Tets swap their last two
 /// vertices to be rewound, hexes their bottom and top faces. O(n log n).
 /// @error Error(surface_mesh) if there is no volume element or none is left; Error(invalid_argument) if an index is out of
 ///        range, or a coordinate is not finite or beyond 1e100 m. The mesh is unchanged when an index or coordinate is refused.

@@ -547,12 +547,12 @@ Image Renderer::read_pixels() const {
     return image;
 }
 
-void Renderer::blit_to(unsigned framebuffer, int width, int height) const {
+void Renderer::blit_to(unsigned framebuffer, int width, int height, int x, int y) const {
     glBindFramebuffer(GL_READ_FRAMEBUFFER, impl_->targets->result());
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffer);
     glDisable(GL_FRAMEBUFFER_SRGB);
     const bool same = width == impl_->def.width && height == impl_->def.height;
-    glBlitFramebuffer(0, 0, impl_->def.width, impl_->def.height, 0, 0, width, height, GL_COLOR_BUFFER_BIT, same ? GL_NEAREST : GL_LINEAR);
+    glBlitFramebuffer(0, 0, impl_->def.width, impl_->def.height, x, y, x + width, y + height, GL_COLOR_BUFFER_BIT, same ? GL_NEAREST : GL_LINEAR);
     glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
 }
 

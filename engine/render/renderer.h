@@ -39,8 +39,9 @@ public:
     Image read_pixels() const;
     void read_pixels(Image& into) const;  ///< the same without a new allocation
 
-    /// Copies the last picture to another framebuffer of this context, e.g. 0 of a window, scaled to its size.
-    void blit_to(unsigned framebuffer, int width, int height) const;
+    /// Copies the last picture to another framebuffer of this context, e.g. 0 of a window, scaled to `width` x `height` pixels whose lower left one is
+    /// (x, y).
+    void blit_to(unsigned framebuffer, int width, int height, int x = 0, int y = 0) const;
 
     void resize(int width, int height);  ///< @error as the constructor
     int width() const;

@@ -12,6 +12,7 @@ struct Cholesky<Real>::Impl {
     Eigen::SimplicialLLT<Matrix, Eigen::Lower> factor;
     Eigen::VectorXd x;
     bool analysed = false;
+    bool definite = true;
 };
 
 template <class Real>
@@ -61,7 +62,8 @@ void Cholesky<Real>::update(Team&, const Bsr3<Real>& A, std::span<const Appended
     if (!impl_->analysed) impl_->factor.analyzePattern(lower);
     impl_->analysed = true;
     impl_->factor.factorize(lower);
-    if (impl_->factor.info() == Eigen::Success) return;
+    impl_->definite = impl_->factor.info() == Eigen::Success;
+    if (impl_->definite) return;
     // Not positive definite to rounding (a body that nothing holds): a little more on the diagonal is still a good preconditioner.
     const double largest = lower.diagonal().maxCoeff();
     for (double shift = 1e-10; impl_->factor.info() != Eigen::Success && shift < 1; shift *= 100) {
@@ -69,6 +71,11 @@ void Cholesky<Real>::update(Team&, const Bsr3<Real>& A, std::span<const Appended
         impl_->factor.factorize(lower);
     }
     impl_->factor.setShift(0);
+}
+
+template <class Real>
+bool Cholesky<Real>::is_definite() const {
+    return impl_->definite;
 }
 
 template <class Real>

@@ -183,6 +183,7 @@ void LinearSolver<Real>::conjugate_gradients(Team& team, const Bsr3<Real>& A, st
             }
         });
         const double curvature = multiply(team, A, appended, p_.data(), q_.data());
+        result.indefinite = def.only_definite && curvature < 0;
         if (!(curvature > 0)) return;  // p = 0 in this precision, or not a number
         const Real alpha = Real(rz / curvature);
         const double rr = sum_over_rows(team, rows_, partial_, [&](std::size_t begin, std::size_t end) {
@@ -200,6 +201,8 @@ LinearSolveResult LinearSolver<Real>::solve(Team& team, const Bsr3<Real>& A, std
                                             FunctionRef<void(const Vec3* x, Vec3* r)> true_residual, std::span<Vec3> x,
                                             std::span<Vec3> residual) {
     LinearSolveResult result;
+    result.indefinite = def.only_definite && !preconditioner.is_definite();
+    if (result.indefinite) return result;
     import(team, b, r_.data());
     warm_start(team, A, appended, guesses, x);
     double recurrence = std::sqrt(square(team, r_.data()));
@@ -210,6 +213,9 @@ LinearSolveResult LinearSolver<Real>::solve(Team& team, const Bsr3<Real>& A, std
             // A little below the target: the pass is worth nothing if rounding leaves it a hair above.
             const double goal = std::max(0.9 * def.target, kPassGain<Real> * recurrence);
             conjugate_gradients(team, A, appended, preconditioner, goal, def, result);
+            // A preconditioner made of the matrix itself fails with it.
+            result.indefinite = result.indefinite || (def.only_definite && result.breakdown);
+            if (result.indefinite) return result;
             team.for_range(rows_, kRowChunk, [&](std::size_t begin, std::size_t end) {
                 for (std::size_t i = begin; i < end; ++i) x[i] += Vec3(double(d_[4 * i]), double(d_[4 * i + 1]), double(d_[4 * i + 2]));
             });

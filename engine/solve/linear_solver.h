@@ -10,6 +10,7 @@ namespace supple::solve {
 struct LinearSolveDef {
     double target = 0;             ///< stop at |r| <= target, in float64
     int max_iterations = 2000;     ///< over all passes
+    bool only_definite = false;    ///< end, without a solution, as soon as the matrix proves to be indefinite
     std::int64_t deadline_ns = 0;  ///< on the clock of now_ns(), base/clock.h: no iteration begins after it; 0 = none
 };
 
@@ -20,6 +21,7 @@ struct LinearSolveResult {
     bool converged = false;
     bool stalled = false;          ///< a pass no longer lowers the true residual: the precision of the matrix is used up
     bool breakdown = false;        ///< the preconditioner was not positive: nothing wrong with x, but another one must go on
+    bool indefinite = false;       ///< only_definite: the matrix is not positive definite; x is of no use
     bool out_of_time = false;      ///< the deadline passed first
 };
 

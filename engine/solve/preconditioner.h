@@ -48,6 +48,8 @@ public:
     /// @param r, z  [row][x y z 0]
     /// @return      r . z
     virtual double apply(Team& team, const Real* r, Real* z) = 0;
+    /// False where the last update has shown that its matrix is not positive definite.
+    virtual bool is_definite() const { return true; }
 
     /// Diagonal blocks of a Coupling, one per row, taken in with every update; empty: none. They stay with the caller.
     std::span<const Mat3> coupling_diagonal;
@@ -77,6 +79,7 @@ public:
     ~Cholesky() override;
     void update(Team& team, const Bsr3<Real>& A, std::span<const AppendedRow> appended) override;
     double apply(Team& team, const Real* r, Real* z) override;
+    bool is_definite() const override;
 
 private:
     struct Impl;

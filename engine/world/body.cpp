@@ -157,6 +157,15 @@ void apply_materials(Body& body, const BodyDef& def, const WorldDef& world, Isa 
     drop_preconditioner(body);
 }
 
+void change_preconditioner(Body& body, PreconditionerKind kind, Isa isa) {
+    with_system(body, [&](auto& system) {
+        using Real = typename std::remove_reference_t<decltype(system)>::Scalar;
+        system.preconditioner = make_preconditioner<Real>(body.data(), isa, kind);
+    });
+    for (BodyState* state : {&body.state, &body.start}) state->solver.assign(kMemoryCount, 0);
+    drop_preconditioner(body);
+}
+
 std::unique_ptr<fem::Elements> make_body_elements(const Body& body, fem::MatrixPrecision precision, Tangent tangent, Isa isa, bool project) {
     return make_elements(body.data(), body.own_layout.get(), body.materials, precision, tangent, isa, project);
 }
@@ -165,6 +174,9 @@ std::unique_ptr<Body> make_body(const BodyDef& def, const WorldDef& world, std::
     if (!def.shape) bad_body("shape", "is null; make one with BodyTemplate::build(mesh)");
     if (!def.translation_m.allFinite()) bad_body("translation_m", "is not finite");
     if (!def.velocity_m_s.allFinite()) bad_body("velocity_m_s", "is not finite");
+    if (def.skin && def.skin->mesh_vertices() != def.shape->mesh().vertices.size())
+        bad_body("skin", "was made for a mesh of " + std::to_string(def.skin->mesh_vertices()) + " vertices, this one has " +
+                             std::to_string(def.shape->mesh().vertices.size()) + "; make it with Skin::build(shape->mesh(), surface)");
 
     auto body = std::make_unique<Body>();
     body->name = def.name.empty() ? "body " + std::to_string(index) : def.name;

@@ -100,7 +100,8 @@ struct Workspace {
     std::vector<Vec3> y;              ///< where forces are evaluated
     std::vector<Vec3> v0;             ///< velocity that the linear solve corrects
     std::vector<Vec3> v_start;        ///< v0 at the start of a line search
-    std::vector<Vec3> v_good, target_v, unbalance;  ///< static: v0 of the last equilibrium, of the supports at their target; the forces not yet let in
+    std::vector<Vec3> v_good, target_v, unbalance, jump;  ///< static: v0 of the last equilibrium, of the supports at their target; the forces not yet let in; what the supports move in a part
+    bool project = true;              ///< evaluate_elements() makes the tangent positive semidefinite
     double withheld = 0;              ///< static: part of `unbalance` that is held back
     std::vector<Vec3> f_ext;          ///< gravity and loads
     std::vector<Vec3> f_dead;         ///< of these, what does not follow the body; kept only where something does
@@ -196,6 +197,8 @@ inline const double* plastic_strain(const Body& body) { return body.state.plasti
 std::unique_ptr<Body> make_body(const BodyDef& def, const WorldDef& world, std::size_t index, Isa isa);
 /// Makes what depends on the materials of a definition: elements, mass, stiffness. Strong guarantee: where it throws, the body is as it was.
 void apply_materials(Body& body, const BodyDef& def, const WorldDef& world, Isa isa);
+/// Another preconditioner from the next step on; what the old one learned is forgotten.
+void change_preconditioner(Body& body, PreconditionerKind kind, Isa isa);
 /// The elements of a body's law and moduli, afresh.
 std::unique_ptr<fem::Elements> make_body_elements(const Body& body, fem::MatrixPrecision precision, Tangent tangent, Isa isa, bool project);
 /// Fills body.stress from the current positions, unless it is valid.

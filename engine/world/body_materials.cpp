@@ -70,8 +70,10 @@ std::vector<T>& filled(std::vector<T>& per_element, std::size_t elements, T valu
 
 void apply_region(const MaterialRegion& region, const std::string& name, const VolumeMesh& mesh, BodyMaterials& to) {
     const std::size_t elements = mesh.element_count();
-    const std::vector<std::int32_t> selected = select_elements(mesh, region.where);
-    if (selected.empty()) refuse(name, "holds no element: an element belongs to a region when all its vertices are selected; make the selection larger");
+    const std::vector<std::int32_t> selected = select_elements(mesh, region.where, region.rule);
+    if (selected.empty())
+        refuse(name, std::string("holds no element: an element belongs to it when ") +
+                         (region.rule == ElementRule::centre ? "its centre is selected" : "all its vertices are selected") + "; make the selection larger");
     check_positive(region.stiffness_factor, name + ".stiffness_factor", kFactorFix);
     if (region.density_kg_m3 != 0) check_positive(region.density_kg_m3, name + ".density_kg_m3", "0 keeps the body's");
     if (region.material) {
@@ -84,6 +86,15 @@ void apply_region(const MaterialRegion& region, const std::string& name, const V
     }
     if (region.density_kg_m3 > 0) {
         for (const std::int32_t e : selected) filled(to.density_kg_m3, elements, to.density_kg_m3[0])[std::size_t(e)] = region.density_kg_m3;
+    }
+}
+
+/// Elements that hold matter in a part only: as much less stiff and heavy.
+void apply_fill(const std::vector<double>& fill, BodyMaterials& to) {
+    for (std::size_t e = 0; e < fill.size(); ++e) {
+        if (!(fill[e] > 0 && fill[e] <= 1)) refuse("shape", "element " + std::to_string(e) + " is filled by " + to_text(fill[e]) + "; legal is (0, 1]");
+        filled(to.elements.stiffness_factor, fill.size(), 1.0)[e] *= fill[e];
+        filled(to.density_kg_m3, fill.size(), to.density_kg_m3[0])[e] *= fill[e];
     }
 }
 
@@ -105,6 +116,8 @@ BodyMaterials resolve_materials(const BodyDef& def, const VolumeMesh& mesh) {
     to.elements.stiffness_factor = def.stiffness_factor_per_element;
     apply_base(def, elements, to.elements);
     for (std::size_t r = 0; r < def.regions.size(); ++r) apply_region(def.regions[r], "regions[" + std::to_string(r) + "]", mesh, to);
+    check_count(mesh.fill, elements, "shape: fill");
+    apply_fill(mesh.fill, to);
     return to;
 }
 

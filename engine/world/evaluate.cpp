@@ -73,9 +73,6 @@ std::vector<Vec3> force_differential(const BodyTemplate& shape, const Material& 
     if (tangent == Tangent::exact && corotational != nullptr && corotational->rotation == Rotation::large) {
         throw Error(ErrorCode::invalid_argument, "tangent", "exact goes with rotation polar or svd; the frame of edges (large) is not a function of F alone: take warped");
     }
-    if (tangent == Tangent::exact && corotational != nullptr && !shape.mesh().hexes.empty()) {
-        throw Error(ErrorCode::unsupported, "tangent", "a corotational hexahedron is differentiated with its rotation held in this build: take warped");
-    }
     Configuration c(shape, material, positions_m, tangent);
     c.check(direction_m, "direction_m");
     fem::ElementOutputs outputs;

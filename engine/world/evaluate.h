@@ -20,7 +20,7 @@ struct Evaluation {
 /// @error Error(invalid_argument) on a wrong count or a non-finite position
 Evaluation evaluate(const BodyTemplate& shape, const Material& material, std::span<const Vec3> positions_m);
 
-/// df = (df/dx) d [N]. Corotational: with the rotations held (warped tangent, R K R^T), or with their derivative for Tangent::exact, not projected.
+/// df = (df/dx) d [N]. Corotational: with the rotations held (warped tangent, R K R^T), or with their derivative for Tangent::exact (of bent hexes but for its part that is not symmetric), not projected.
 /// Hyperelastic: the consistent tangent, not projected.
 /// @error Error(invalid_argument) also for an exact tangent of rotation `large`
 std::vector<Vec3> force_differential(const BodyTemplate& shape, const Material& material,

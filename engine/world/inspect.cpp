@@ -144,7 +144,7 @@ ElementView Inspector::element(std::size_t index) const {
     view.strain_displacement = strain_displacement(g);
     view.material_matrix = isotropic_matrix(body.materials.lame_of(index));
     view.initial_stiffness = body.materials.factor(index) * lone.stiffness(rest, Tangent::automatic);
-    view.stiffness = body.materials.factor(index) * lone.stiffness(now, world_->def().solver.tangent);
+    view.stiffness = body.materials.factor(index) * lone.stiffness(now, in_edge_frame(material) ? Tangent::warped : world_->def().solver.tangent);
     update_stress(body, world_->impl_->alone);
     view.energy_j = body.stress.element_energy[index];
     view.cauchy_pa = body.stress.element[index];

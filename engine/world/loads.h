@@ -56,7 +56,8 @@ enum class LoadKind {
 /// is the linear distribution of beam theory. Follower: the axis turns with the selection (the rotation that fits it best); otherwise it stays
 /// as it is in space.
 ///
-/// What follows the body has a stiffness of its own that the step's tangent leaves out: a Newton iteration converges linearly, not quadratically, in it.
+/// What follows the body has a stiffness of its own. That of pressures (its symmetric part: all of it on a closed surface) is in the tangent where Newton goes to a tolerance; that of
+/// moments never is, so that Newton converges linearly in it.
 struct Load {
     Selection where{};
     LoadKind kind = LoadKind::total_force;

@@ -15,6 +15,9 @@ using solve::kRowChunk;
 
 constexpr double kOverflow = 1e300;       ///< a norm beyond it, or NaN: the body has blown up
 constexpr int kMaxTrials = 12;            ///< of a line search
+constexpr double kStagnation = 50;        ///< times the residual that rounding leaves: there a residual that no longer falls has come to its end
+constexpr int kLongestWait = 8;           ///< iterations
+constexpr double kFollowing = 1e-3;       ///< tolerance of the linear solve that takes a body along with its supports
 constexpr double kSmallestLoadStep = 1.0 / 512;
 
 enum class Outcome { converged, cap, not_finite };
@@ -85,6 +88,21 @@ NewtonPlan plan_of(const SolverDef& def) {
     return plan;
 }
 
+/// The linear system of this iterate, with the tangent as it is or made positive. The last evaluation stands at v0, one way or the other.
+Solved solve_linearised(StepContext& ctx, Watch& watch, BodyId id, Body& body, bool project, double floor, double tolerance, bool first) {
+    if (body.work.project != project) {
+        body.work.project = project;
+        evaluate_elements(ctx, body, false);
+        watch.lap(ctx, Stage::elements);
+    }
+    assemble(ctx, body);
+    watch.lap(ctx, Stage::assemble);
+    const Solved solved = solve_system(ctx, id, body, floor, tolerance, first);
+    watch.lap(ctx, Stage::solve);
+    if (solved == Solved::yes && !project && dot(ctx, body, body.work.dv, body.work.rhs) < 0) return Solved::indefinite;  // dv.A dv
+    return solved;
+}
+
 /// From v0 to a solution. v0 and the element pass stand at the last iterate.
 Outcome iterate(StepContext& ctx, Watch& watch, BodyId id, Body& body, const NewtonPlan& plan, double floor) {
     const SolverDef& def = ctx.world.def.solver;
@@ -97,10 +115,15 @@ Outcome iterate(StepContext& ctx, Watch& watch, BodyId id, Body& body, const New
     if (!(norm < kOverflow)) return Outcome::not_finite;
     if (to_tolerance) norm = residual_with_touch(ctx, id, body);
     double first = norm, previous = norm, eta = 0.1;
+    int wait = 0, next_wait = 1;  // iterations before the exact tangent gets its next chance
     for (int k = 0;; ++k) {
         if (to_tolerance) {
             const double scale = plan.is_static ? static_scale(ctx, body) : first;
             if ((k > 0 || plan.is_static) && norm <= std::max(plan.tolerance * scale, floor)) return Outcome::converged;
+            if (k > 0 || plan.is_static) {
+                const double rounding = rounding_residual(ctx, body);
+                if (norm <= rounding || (norm > 0.5 * previous && k > 0 && norm <= kStagnation * rounding)) return Outcome::converged;
+            }
             if (k == plan.iterations) return Outcome::cap;
             if (k > 0) {
                 const double memory = 0.9 * eta * eta, ratio = norm / previous;
@@ -108,12 +131,16 @@ Outcome iterate(StepContext& ctx, Watch& watch, BodyId id, Body& body, const New
                 eta = std::max(eta, 0.3 * std::max(plan.tolerance * scale, floor) / norm);  // no finer than Newton will ask for
             }
         }
-        assemble(ctx, body);
-        watch.lap(ctx, Stage::assemble);
         const double tolerance = to_tolerance ? std::clamp(eta, def.cg_relative_tolerance, 0.1) : def.cg_relative_tolerance;
-        const bool finite = solve_system(ctx, id, body, floor, tolerance, k == 0);
-        watch.lap(ctx, Stage::solve);
-        if (!finite) return Outcome::not_finite;
+        // Rayleigh's damping has the stiffness in its force: there the tangent must stay of one kind.
+        const bool exact = to_tolerance && (plan.is_static || (k > 0 && def.rayleigh_stiffness_s == 0)) && wait-- <= 0;
+        Solved solved = solve_linearised(ctx, watch, id, body, !exact, floor, tolerance, k == 0);
+        if (solved == Solved::indefinite) {
+            wait = next_wait;
+            next_wait = std::min(2 * next_wait, kLongestWait);
+            solved = solve_linearised(ctx, watch, id, body, true, floor, tolerance, k == 0);
+        }
+        if (solved == Solved::not_finite) return Outcome::not_finite;
         ctx.report.newton_iterations = std::max(ctx.report.newton_iterations, k + 1);
         previous = norm;
         if ((ctx.report.flags & StepFlag::budget) != StepFlag::none) {  // no time for more: what there is counts
@@ -142,6 +169,39 @@ void move_supports(Body& body, double part) {
     }
 }
 
+/// Takes the free vertices along where supports move, as the tangent at v0 has it: were they to stay behind, the elements at a support that moves far would be turned inside
+/// out before the first iteration. `part` as in move_supports().
+bool follow_supports(StepContext& ctx, Watch& watch, BodyId id, Body& body, double part, double floor) {
+    Workspace& w = body.work;
+    w.v_start = w.v0;
+    w.jump.resize(body.vertices());
+    move_supports(body, part);
+    double moved = 0;
+    for (std::size_t i = 0; i < body.vertices(); ++i) {
+        w.jump[i] = w.v0[i] - w.v_start[i];
+        moved = std::max(moved, w.jump[i].squaredNorm());
+    }
+    if (moved == 0) return true;
+    w.v0 = w.v_start;
+    const auto linearised = [&](bool project) {
+        w.project = project;
+        if (!(evaluate_elements(ctx, body, false) < kOverflow)) return Solved::not_finite;
+        tangent_product(ctx, body, w.jump);
+        const double scale = stiffness_scale(ctx, body);
+        for (std::size_t i = 0; i < body.vertices(); ++i) w.b[i] -= scale * w.product[i];
+        assemble(ctx, body);
+        watch.lap(ctx, Stage::assemble);
+        const Solved solved = solve_system(ctx, id, body, floor, kFollowing, false);
+        watch.lap(ctx, Stage::solve);
+        return solved;
+    };
+    Solved solved = linearised(false);
+    if (solved == Solved::indefinite) solved = linearised(true);
+    if (solved != Solved::yes) return false;
+    for (std::size_t i = 0; i < body.vertices(); ++i) w.v0[i] += w.jump[i] + w.dv[i];
+    return true;
+}
+
 /// Equilibrium by load steps: what the start lacks to balance is let in part by part, with the motion of the supports. The whole at once is tried
 /// first; a part that Newton does not manage is halved.
 bool find_equilibrium(StepContext& ctx, Watch& watch, BodyId id, Body& body, const NewtonPlan& plan, double floor) {
@@ -154,16 +214,18 @@ bool find_equilibrium(StepContext& ctx, Watch& watch, BodyId id, Body& body, con
     double left = 1, part = 1;
     while (left > 0) {
         w.v_good = w.v0;
+        const StepFlag flags = ctx.report.flags;
         const double next = std::max(0.0, left - part);
-        move_supports(body, 1 - next);
         w.withheld = next;
-        const Outcome outcome = iterate(ctx, watch, id, body, plan, floor);
+        Outcome outcome = Outcome::not_finite;
+        if (follow_supports(ctx, watch, id, body, 1 - next, floor)) outcome = iterate(ctx, watch, id, body, plan, floor);
         if (outcome == Outcome::converged) {
             left = next;
             part = std::min(2 * part, left);
             continue;
         }
         w.v0 = w.v_good;
+        ctx.report.flags = flags;  // what the solves of an attempt met with is of no account
         fem::seed_rotations(ctx.team, body.layout(), body.state.x, body.state.quaternion);
         part /= 2;
         if (part < kSmallestLoadStep) {
@@ -179,6 +241,7 @@ bool find_equilibrium(StepContext& ctx, Watch& watch, BodyId id, Body& body, con
 
 bool solve_step(StepContext& ctx, Watch& watch, BodyId id, Body& body, double floor) {
     const NewtonPlan plan = plan_of(ctx.world.def.solver);
+    body.work.project = !plan.is_static;  // elsewhere than at rest the tangent of a prediction may be anything
     if (plan.is_static) return find_equilibrium(ctx, watch, id, body, plan, floor);
     const Outcome outcome = iterate(ctx, watch, id, body, plan, floor);
     if (outcome == Outcome::cap) ctx.report.flags |= StepFlag::newton_cap;

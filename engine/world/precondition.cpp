@@ -301,8 +301,9 @@ solve::LinearSolveResult solve_preconditioned(StepContext& ctx, Body& body, std:
             go_on(ctx, body, system, *system.multigrid, def, true_residual, result);
         } else {
             result = run(ctx, body, system, *system.multigrid, b, guesses, def, true_residual);
-            if (!result.breakdown && remember) note_multigrid(body, result, automatic);
+            if (!result.breakdown && !result.indefinite && remember) note_multigrid(body, result, automatic);
         }
+        if (result.indefinite) return;
         if (result.breakdown) {
             ctx.report.flags |= StepFlag::preconditioner;
             memory[kMemoryBroken] = kBrokenSolves;

@@ -119,6 +119,12 @@ DeadLoad make_dead(const TemplateData& data, const std::string& name, const Load
     return dead;
 }
 
+/// Matrix block (row, column); the corners of a boundary face share an element, so it is there.
+std::int32_t find_block(const TemplateData& data, std::int32_t row, std::int32_t column) {
+    const auto first = data.pattern.column.begin() + data.pattern.row_start[std::size_t(row)], last = data.pattern.column.begin() + data.pattern.row_start[std::size_t(row) + 1];
+    return std::int32_t(std::lower_bound(first, last, column) - data.pattern.column.begin());
+}
+
 PressureLoad make_pressure(const TemplateData& data, const std::string& name, const Load& load) {
     const Site site = find_site(data, name, load);
     require_triangles(site, name);
@@ -139,7 +145,24 @@ PressureLoad make_pressure(const TemplateData& data, const std::string& name, co
         pressure.triangle.insert(pressure.triangle.end(), around[v].begin(), around[v].end());
         pressure.start.push_back(std::int32_t(pressure.triangle.size()));
     }
+    if (!load.follower) return pressure;
+    pressure.face = site.triangles;
+    for (const Triangle& t : site.triangles) {
+        std::array<std::int32_t, 6> blocks{};
+        for (std::size_t k = 0; k < 3; ++k) {
+            const std::int32_t i = t[k], j = t[(k + 1) % 3];
+            blocks[2 * k] = find_block(data, i, j);
+            blocks[2 * k + 1] = find_block(data, j, i);
+        }
+        pressure.block.push_back(blocks);
+    }
     return pressure;
+}
+
+/// Stiffness -df_i/dx_j between two corners of a triangle under unit pressure, made symmetric; k is the third. The force on each corner is -N/6 with
+/// N = a x b + b x c + c x a, so that df_i/dx_j = -[e_j]/6, e_j the edge opposite to j, for all i; symmetric ([e_j] - [e_i])/12, nothing on the diagonal.
+Vec3 pressure_stiffness_axis(const std::vector<Vec3>& x, std::int32_t i, std::int32_t j, std::int32_t k) {
+    return (x[std::size_t(i)] + x[std::size_t(j)] - 2 * x[std::size_t(k)]) / 12;
 }
 
 Vec3 sample_point(const std::array<std::int32_t, 2>& ends, const std::vector<Vec3>& x) {
@@ -278,6 +301,46 @@ void PreparedLoads::add_followers(Team& team, double time_s, const std::vector<V
         });
     }
     for (const MomentLoad& load : moment_) add_moment(load, load.amount.at(time_s), x, f);
+}
+
+bool PreparedLoads::any_follower_pressure() const {
+    return std::any_of(pressure_.begin(), pressure_.end(), [](const PressureLoad& load) { return load.follower; });
+}
+
+template <class Real>
+void PreparedLoads::add_stiffness(double time_s, const std::vector<Vec3>& x, double scale, Real* value) const {
+    for (const PressureLoad& load : pressure_) {
+        const double amount = scale * load.amount.at(time_s);
+        for (std::size_t t = 0; t < load.face.size(); ++t) {
+            const Triangle& f = load.face[t];
+            for (std::size_t k = 0; k < 3; ++k) {
+                const Vec3 a = amount * pressure_stiffness_axis(x, f[k], f[(k + 1) % 3], f[(k + 2) % 3]);
+                for (const bool mirrored : {false, true}) {  // (j, i) is the transpose of (i, j): the other sign
+                    Real* block = value + std::size_t(load.block[t][2 * k + std::size_t(mirrored)]) * 12;
+                    const Vec3 w = mirrored ? Vec3(-a) : a;  // [w] d = w x d; columns of four
+                    block[1] += Real(w.z()), block[2] -= Real(w.y());
+                    block[4] -= Real(w.z()), block[6] += Real(w.x());
+                    block[8] += Real(w.y()), block[9] -= Real(w.x());
+                }
+            }
+        }
+    }
+}
+template void PreparedLoads::add_stiffness(double, const std::vector<Vec3>&, double, float*) const;
+template void PreparedLoads::add_stiffness(double, const std::vector<Vec3>&, double, double*) const;
+
+void PreparedLoads::add_stiffness_product(double time_s, const std::vector<Vec3>& x, const std::vector<Vec3>& field, std::vector<Vec3>& out) const {
+    for (const PressureLoad& load : pressure_) {
+        const double amount = load.amount.at(time_s);
+        for (const Triangle& f : load.face) {
+            for (std::size_t k = 0; k < 3; ++k) {
+                const std::int32_t i = f[k], j = f[(k + 1) % 3];
+                const Vec3 a = amount * pressure_stiffness_axis(x, i, j, f[(k + 2) % 3]);
+                out[std::size_t(i)] += a.cross(field[std::size_t(j)]);
+                out[std::size_t(j)] -= a.cross(field[std::size_t(i)]);
+            }
+        }
+    }
 }
 
 double PreparedLoads::dead_potential_j(double time_s, const std::vector<Vec3>& x, const std::vector<Vec3>& start) const {

@@ -23,6 +23,8 @@ struct PressureLoad {
     std::vector<Vec3> area;              ///< a third of the rest areas around the vertex, pointing inwards [m^2]
     std::vector<std::int32_t> start;     ///< [vertex + 1] ranges of `triangle`
     std::vector<Triangle> triangle;
+    std::vector<Triangle> face;          ///< follower: each triangle once,
+    std::vector<std::array<std::int32_t, 6>> block;  ///< and its matrix blocks ab ba bc cb ca ac
     Timeline<double> amount;
 };
 
@@ -49,6 +51,12 @@ public:
     bool any_follower() const { return followers_; }
     /// Adds the others, with the body at x. Sums vertex by vertex: any number of threads gives the same bits.
     void add_followers(Team& team, double time_s, const std::vector<Vec3>& x, std::vector<Vec3>& f) const;
+    /// The stiffness of pressures that follow the body, -df/dx, with the body at x: its symmetric part, which is all of it where the pressure acts on a closed surface, or on one whose
+    /// edge is held or slides in planes of symmetry. Indefinite. `value`: matrix blocks, [block][column][x y z 0].
+    bool any_follower_pressure() const;
+    template <class Real>
+    void add_stiffness(double time_s, const std::vector<Vec3>& x, double scale, Real* value) const;
+    void add_stiffness_product(double time_s, const std::vector<Vec3>& x, const std::vector<Vec3>& field, std::vector<Vec3>& out) const;
     /// -sum f.(x - start) of the dead loads [J].
     double dead_potential_j(double time_s, const std::vector<Vec3>& x, const std::vector<Vec3>& start) const;
 

@@ -242,10 +242,9 @@ void World::reset() {
     w.contact_report.clear();
     for (const std::uint32_t slot : w.order) {
         Body& body = *w.slots[slot].body;
-        BodyState start = body.start;
-        start.hierarchy_held = held_bits(body);
-        restart_preconditioner(body, start);
-        body.state = std::move(start);
+        drop_preconditioner(body);
+        body.state = body.start;
+        body.supports_changed = body.supports_edited = true;
         body.stress.valid = false;
     }
 }

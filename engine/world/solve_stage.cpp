@@ -86,7 +86,7 @@ bool cap_drags(StepContext& ctx, BodyId id, Body& body) {
 void true_residual(StepContext& ctx, BodyId id, Body& body, Vec3* r) {
     const double mass = mass_scale(ctx, body), stiffness = stiffness_scale(ctx, body), inv_h = 1 / body.work.h;
     Workspace& w = body.work;
-    stiffness_product(ctx, body, w.dv);
+    tangent_product(ctx, body, w.dv);
     ctx.team.for_range(body.vertices(), kRowChunk, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) r[i] = w.bare[i] = w.b[i] - mass * body.mass[i] * w.dv[i] - stiffness * w.product[i];
     });
@@ -156,6 +156,22 @@ double static_scale(StepContext& ctx, Body& body) {
     return std::max(held, w.h * free_norm(ctx, body, w.f_ext));
 }
 
+double rounding_residual(StepContext& ctx, Body& body) {
+    constexpr double kEpsilon = 2.3e-16;
+    Workspace& w = body.work;
+    const bool inertia = !is_static(ctx);
+    return kEpsilon * std::sqrt(solve::sum_over_rows(ctx.team, body.vertices(), w.partial, [&](std::size_t begin, std::size_t end) {
+               double sum = 0;
+               for (std::size_t i = begin; i < end; ++i) {
+                   Vec3 size = w.f_ext[i].cwiseAbs() + body.stiffness_trace[i] * w.base_x[i].cwiseAbs();
+                   size *= w.h;
+                   if (inertia) size += body.mass[i] * (w.v0[i].cwiseAbs() + w.base_v[i].cwiseAbs());
+                   sum += free_part(body, i, size).squaredNorm();
+               }
+               return sum;
+           }));
+}
+
 double residual_with_touch(StepContext& ctx, BodyId id, Body& body) {
     for_drags_of(ctx.world, id, [&](Drag& drag) { predict(ctx, body, drag); });
     move_contacts(ctx, body);
@@ -196,7 +212,7 @@ bool touch_agrees(StepContext& ctx, BodyId id, Body& body, TouchRounds& rounds) 
 
 }  // namespace
 
-bool solve_system(StepContext& ctx, BodyId id, Body& body, double floor, double tolerance, bool first) {
+Solved solve_system(StepContext& ctx, BodyId id, Body& body, double floor, double tolerance, bool first) {
     const SolverDef& def = ctx.world.def.solver;
     Workspace& w = body.work;
     std::fill(w.dv.begin(), w.dv.end(), Vec3::Zero());
@@ -216,6 +232,7 @@ bool solve_system(StepContext& ctx, BodyId id, Body& body, double floor, double 
             solve_def.target = std::max(tolerance * rhs_norm, rhs_norm > floor ? 0.3 * floor : floor);
             solve_def.max_iterations = def.cg_max_iterations;
             solve_def.deadline_ns = ctx.deadline_ns;
+            solve_def.only_definite = !w.project;
         }
         const std::span<const Vec3> guesses[2] = {body.state.dv1, body.state.dv2};
         const bool warm = first && !again && !is_static(ctx);
@@ -228,9 +245,10 @@ bool solve_system(StepContext& ctx, BodyId id, Body& body, double floor, double 
                                           [&](const Vec3*, Vec3* r) { true_residual(ctx, id, body, r); });
         }
         ctx.report.cg_iterations += result.iterations;
-        if (!std::isfinite(result.residual)) return false;
+        if (result.indefinite) return Solved::indefinite;
+        if (!std::isfinite(result.residual)) return Solved::not_finite;
         report_solve(ctx, result, std::max(rhs_norm, floor / tolerance));
-        if (result.out_of_time || touch_agrees(ctx, id, body, rounds)) return true;
+        if (result.out_of_time || touch_agrees(ctx, id, body, rounds)) return Solved::yes;
         ++ctx.report.contact_iterations;
     }
 }

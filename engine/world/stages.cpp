@@ -17,6 +17,11 @@ void stiffness_product(StepContext& ctx, Body& body, const std::vector<Vec3>& fi
     fem::stiffness_product(ctx.team, *body.elements, body.layout(), body.state.quaternion.data(), field, body.work.force_parts, body.work.product);
 }
 
+void tangent_product(StepContext& ctx, Body& body, const std::vector<Vec3>& field) {
+    stiffness_product(ctx, body, field);
+    if (!body.work.project) body.loads.add_stiffness_product(ctx.time_s, body.work.y, field, body.work.product);
+}
+
 void gather_loads(StepContext& ctx, Body& body, double time_s) {
     Workspace& w = body.work;
     ctx.team.for_range(body.vertices(), kRowChunk, [&](std::size_t begin, std::size_t end) {
@@ -46,6 +51,7 @@ double evaluate_elements(StepContext& ctx, Body& body, bool at_current) {
     outputs.force = w.force_parts.data();
     outputs.plastic = plastic_strain(body);
     outputs.tangent = true;
+    outputs.project = w.project;
     body.elements->evaluate(ctx.team, w.y.data()->data(), s.quaternion.data(), outputs);
     ctx.team.for_range(body.vertices(), kRowChunk, [&](std::size_t begin, std::size_t end) {
         fem::gather_places(body.layout().forces, w.force_parts.data(), begin, end, w.b.data());
@@ -85,6 +91,7 @@ void assemble(StepContext& ctx, Body& body) {
     with_system(body, [&](auto& system) {
         using Real = typename std::remove_reference_t<decltype(system)>::Scalar;
         body.elements->assemble(ctx.team, stiffness_scale(ctx, body), w.diagonal, system.A.value.data());
+        if (!w.project) body.loads.add_stiffness(ctx.time_s, w.y, stiffness_scale(ctx, body), system.A.value.data());
         // Held coordinates: zero rows and columns, one on the diagonal.
         ctx.team.for_range(body.held_rows.size(), 64, [&](std::size_t begin, std::size_t end) {
             for (std::size_t k = begin; k < end; ++k) {

@@ -35,9 +35,12 @@ double resting_residual(StepContext& ctx, Body& body);
 double residual_with_touch(StepContext& ctx, BodyId id, Body& body);
 /// What a static residual is compared with: the loads, or the reactions where they are larger (times h).
 double static_scale(StepContext& ctx, Body& body);
-/// Drag springs, contacts and dv, to `tolerance` of the right-hand side. False if the solution is not finite.
+/// Norm over free coordinates that rounding alone leaves of a right-hand side in balance: of the positions that forces are made from (an error of eps |x| in x is one of eps K |x|), of loads and momenta.
+double rounding_residual(StepContext& ctx, Body& body);
+enum class Solved { yes, not_finite, indefinite };
+/// Drag springs, contacts and dv, to `tolerance` of the right-hand side. A tangent that was not projected (work.project) may turn out to be indefinite.
 /// @param first  of the step: with warm starts, and remembered by the choice of preconditioner
-bool solve_system(StepContext& ctx, BodyId id, Body& body, double floor, double tolerance, bool first);
+Solved solve_system(StepContext& ctx, BodyId id, Body& body, double floor, double tolerance, bool first);
 /// The new state, if it is finite; if not, false and nothing has changed.
 bool integrate(StepContext& ctx, BodyId id, Body& body);
 /// The body stays where the step found it, takes no further part, and is reported.
@@ -79,6 +82,8 @@ inline double mass_scale(const StepContext& ctx, const Body& body) {
 
 /// work.product = K field, with the rotations of the last element pass; float64, matrix-free.
 void stiffness_product(StepContext& ctx, Body& body, const std::vector<Vec3>& field);
+/// The same, with the stiffness of followers where the tangent is taken as it is (work.project): what the matrix of a solve holds.
+void tangent_product(StepContext& ctx, Body& body, const std::vector<Vec3>& field);
 
 /// Calls visit(System<Real>&) for the precision that the body has.
 template <class Visit>

@@ -6,15 +6,58 @@
 
 namespace supple {
 
+namespace {
+
+/// The rest position of a point of a triangle.
+Vec3 rest_point(std::span<const Vec3> X, const Triangle& triangle, const std::array<double, 3>& barycentric) {
+    Vec3 x = Vec3::Zero();
+    for (std::size_t k = 0; k < 3; ++k) x += barycentric[k] * X[std::size_t(triangle[k])];
+    return x;
+}
+
+Vec3 rest_point(const Body& body, const PickHit& hit) {
+    if (hit.skin_triangle >= 0) {
+        const mesh::TriangleMesh& skin = body.def.skin->surface();
+        return rest_point(skin.vertices, skin.triangles[std::size_t(hit.skin_triangle)], hit.barycentric);
+    }
+    return rest_point(body.data().mesh.vertices, body.data().boundary.triangles[std::size_t(hit.triangle)], hit.barycentric);
+}
+
+std::optional<RayHit> hit_surface(const Body& body, const Ray& ray) {
+    if (!body.def.skin) return intersect(ray, body.data().boundary.triangles, body.state.x);
+    const Skin& skin = *body.def.skin;
+    std::vector<Vec3> x(skin.embedding().size());
+    skin.embedding().deform(body.state.x, x);
+    return intersect(ray, skin.surface().triangles, x);
+}
+
+/// A point of a skin belongs to the element of its nearest corner.
+std::int32_t element_of(const Body& body, const RayHit& hit) {
+    if (!body.def.skin) return body.data().boundary.element[std::size_t(hit.triangle)];
+    const auto corner = std::size_t(std::max_element(hit.barycentric.begin(), hit.barycentric.end()) - hit.barycentric.begin());
+    const Triangle& triangle = body.def.skin->surface().triangles[std::size_t(hit.triangle)];
+    return body.def.skin->embedding().elements()[std::size_t(triangle[corner])];
+}
+
+}  // namespace
+
 std::optional<PickHit> World::pick(const Ray& ray) const {
     std::optional<PickHit> first;
     for (const BodyId id : bodies()) {
         const Body& body = impl_->body(id);
-        const BoundarySurface& surface = body.data().boundary;
-        const auto hit = intersect(ray, surface.triangles, body.state.x);
+        const auto hit = hit_surface(body, ray);
         if (!hit || (first && first->distance <= hit->distance)) continue;
-        first = PickHit{id, hit->triangle, surface.element[std::size_t(hit->triangle)], hit->barycentric,
-                        ray.origin + hit->distance * ray.direction, hit->distance};
+        first = PickHit{};
+        first->body = id;
+        (body.def.skin ? first->skin_triangle : first->triangle) = hit->triangle;
+        first->element = element_of(body, *hit);
+        first->barycentric = hit->barycentric;
+        first->position_m = ray.origin + hit->distance * ray.direction;
+        first->distance = hit->distance;
+    }
+    if (first) {
+        const Body& body = impl_->body(first->body);
+        shape_weights(body.data().mesh, first->element, rest_point(body, *first), first->element_weights);
     }
     return first;
 }
@@ -27,13 +70,11 @@ Drag& World::Impl::drag(DragId id) {
 
 namespace {
 
-/// The picked triangle, or the surface vertices around the point weighted by (1 - (r/R)^2)^2 at rest.
+/// The surface vertices around the point weighted by (1 - (r/R)^2)^2 at rest, or the picked triangle; of a skin, the element that moves it.
 void choose_patch(const Body& body, const PickHit& hit, double radius_m, Drag& drag) {
     const TemplateData& data = body.data();
-    const Triangle& triangle = data.boundary.triangles[std::size_t(hit.triangle)];
     const auto& X = data.mesh.vertices;
-    Vec3 centre = Vec3::Zero();
-    for (std::size_t k = 0; k < 3; ++k) centre += hit.barycentric[k] * X[std::size_t(triangle[k])];
+    const Vec3 centre = rest_point(body, hit);
     double sum = 0;
     for (const std::int32_t v : data.boundary_vertices) {
         const double q = (X[std::size_t(v)] - centre).squaredNorm() / (radius_m * radius_m);
@@ -42,10 +83,21 @@ void choose_patch(const Body& body, const PickHit& hit, double radius_m, Drag& d
         drag.weight.push_back((1 - q) * (1 - q));
         sum += drag.weight.back();
     }
-    if (drag.vertex.size() < 3) {  // a radius below the edge length: the triangle
-        drag.vertex.assign(triangle.begin(), triangle.end());
-        drag.weight.assign(hit.barycentric.begin(), hit.barycentric.end());
-        return;
+    if (drag.vertex.size() < 3) {  // a radius below the edge length
+        if (hit.skin_triangle < 0) {
+            const Triangle& triangle = data.boundary.triangles[std::size_t(hit.triangle)];
+            drag.vertex.assign(triangle.begin(), triangle.end());
+            drag.weight.assign(hit.barycentric.begin(), hit.barycentric.end());
+            return;
+        }
+        const auto corners = element_vertices(data.mesh, hit.element);
+        drag.vertex.assign(corners.begin(), corners.end());
+        drag.weight.clear();
+        sum = 0;
+        for (std::size_t a = 0; a < corners.size(); ++a) {  // a point beyond the element has negative weights: pull at the others
+            drag.weight.push_back(std::max(hit.element_weights[a], 0.0));
+            sum += drag.weight.back();
+        }
     }
     for (double& w : drag.weight) w /= sum;
 }
@@ -55,12 +107,17 @@ void choose_patch(const Body& body, const PickHit& hit, double radius_m, Drag& d
 DragId World::begin_drag(const PickHit& hit, const DragDef& def) {
     Impl& w = *impl_;
     const Body& body = w.body(hit.body);
-    const auto triangles = body.data().boundary.triangles.size();
-    if (hit.triangle < 0 || std::size_t(hit.triangle) >= triangles) {
-        throw Error(ErrorCode::invalid_argument, "PickHit.triangle", std::to_string(hit.triangle) + " is outside [0, " + std::to_string(triangles) + ")");
+    const bool skin = body.def.skin && hit.skin_triangle >= 0;
+    const auto triangles = skin ? body.def.skin->surface().triangles.size() : body.data().boundary.triangles.size();
+    const std::int32_t triangle = skin ? hit.skin_triangle : hit.triangle;
+    if (triangle < 0 || std::size_t(triangle) >= triangles || (hit.skin_triangle >= 0 && !skin)) {
+        throw Error(ErrorCode::invalid_argument, skin ? "PickHit.skin_triangle" : "PickHit.triangle", std::to_string(triangle) + " is outside [0, " + std::to_string(triangles) + ")");
     }
+    if (skin && (hit.element < 0 || std::size_t(hit.element) >= body.element_count()))
+        throw Error(ErrorCode::invalid_argument, "PickHit.element", std::to_string(hit.element) + " is outside [0, " + std::to_string(body.element_count()) + ")");
     const Vec3 barycentric(hit.barycentric[0], hit.barycentric[1], hit.barycentric[2]);
-    if (!hit.position_m.allFinite() || !barycentric.allFinite() || !(std::abs(barycentric.sum() - 1) < 1e-6)) {
+    if (!hit.position_m.allFinite() || !barycentric.allFinite() || !(std::abs(barycentric.sum() - 1) < 1e-6) ||
+        !std::all_of(hit.element_weights.begin(), hit.element_weights.end(), [](double weight) { return std::isfinite(weight); })) {
         throw Error(ErrorCode::invalid_argument, "PickHit", "position_m must be finite and barycentric must sum to one; pass on what World::pick() gave");
     }
     require_in_range(def.radius_m, 0, 1e6, "DragDef.radius_m", "0 takes the picked triangle alone");

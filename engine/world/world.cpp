@@ -6,6 +6,7 @@
 #include "supple/base/hash.h"
 #include "supple/fem/element_passes.h"
 #include "supple/world/impl.h"
+#include "supple/world/precondition.h"
 
 namespace supple {
 
@@ -59,10 +60,14 @@ void warn_of_materials(const WorldDef& world, const Body& body) {
                                          " above 0.48 locks linear tetrahedra: they bend too little; " +
                                          (is_hyperelastic(*locking) ? "use hexahedra" : "set the material's volumetric to \"nodal\""));
     }
-    const auto turns = [](const Material& material) { return std::holds_alternative<Corotational>(material); };
-    if (!mesh.hexes.empty() && world.solver.tangent == Tangent::exact && std::any_of(materials.begin(), materials.end(), turns)) {
-        world.log(LogLevel::warning, body.name + ": corotational hexahedra have no exact tangent and take the warped one: the same equilibrium, in more Newton iterations");
-    }
+}
+
+/// With what `automatic` stands for.
+SolverDef resolved(SolverDef solver) {
+    const bool is_static = solver.integrator == Integrator::quasi_static;
+    if (solver.precision == Precision::automatic) solver.precision = is_static ? Precision::double_ : Precision::single;
+    if (solver.tangent == Tangent::automatic) solver.tangent = is_static ? Tangent::exact : Tangent::warped;
+    return solver;
 }
 
 }  // namespace
@@ -76,10 +81,7 @@ Body& World::Impl::body(BodyId id) const {
 World::World(const WorldDef& def) : impl_(std::make_unique<Impl>()) {
     check(def);
     impl_->def = def;
-    SolverDef& solver = impl_->def.solver;
-    const bool is_static = solver.integrator == Integrator::quasi_static;
-    if (solver.precision == Precision::automatic) solver.precision = is_static ? Precision::double_ : Precision::single;
-    if (solver.tangent == Tangent::automatic) solver.tangent = is_static ? Tangent::exact : Tangent::warped;
+    impl_->def.solver = resolved(def.solver);
     impl_->isa = def.isa.value_or(best_isa());
     impl_->threads = def.threads == 0 ? hardware_threads() : def.threads;
 }
@@ -128,7 +130,19 @@ std::vector<BodyId> World::bodies() const {
 }
 
 const BodyTemplate& World::shape(BodyId id) const { return *impl_->body(id).shape; }
+std::shared_ptr<const Skin> World::skin(BodyId id) const { return impl_->body(id).def.skin; }
+
+std::vector<Vec3> World::skin_positions(BodyId id) const {
+    const Body& body = impl_->body(id);
+    std::vector<Vec3> out;
+    if (!body.def.skin) return out;
+    out.resize(body.def.skin->embedding().size());
+    body.def.skin->embedding().deform(body.state.x, out);
+    return out;
+}
+
 const std::string& World::name(BodyId id) const { return impl_->body(id).name; }
+const BodyDef& World::definition(BodyId id) const { return impl_->body(id).def; }
 
 void World::set_state(BodyId id, std::span<const Vec3> positions_m, std::span<const Vec3> velocities_m_s) {
     Body& body = impl_->body(id);
@@ -178,6 +192,26 @@ void World::set_stiffness_factor(BodyId id, std::span<const double> per_element)
     BodyDef def = body.def;
     def.stiffness_factor_per_element.assign(per_element.begin(), per_element.end());
     apply_materials(body, def, impl_->def, impl_->isa);
+}
+
+void World::set_solver(const SolverDef& asked) {
+    Impl& w = *impl_;
+    WorldDef def = w.def;
+    const SolverDef before = def.solver;
+    def.solver = asked;
+    if (asked.precision == Precision::automatic) def.solver.precision = before.precision;
+    if (asked.tangent == Tangent::automatic) def.solver.tangent = before.tangent;
+    check(def);
+    if (def.solver.integrator != before.integrator || def.solver.precision != before.precision || def.solver.tangent != before.tangent) {
+        throw Error(ErrorCode::unsupported, "World::set_solver", "integrator, precision and tangent are chosen with the world; make a new one");
+    }
+    const bool other_kind = def.solver.preconditioner != before.preconditioner;
+    const bool other_matrix = def.solver.rayleigh_mass_1_s != before.rayleigh_mass_1_s || def.solver.rayleigh_stiffness_s != before.rayleigh_stiffness_s;
+    for (const std::uint32_t slot : w.order) {
+        if (other_kind) change_preconditioner(*w.slots[slot].body, def.solver.preconditioner, w.isa);
+        if (other_matrix) drop_preconditioner(*w.slots[slot].body);
+    }
+    w.def = def;
 }
 
 StepReport World::step() noexcept { return do_step(*impl_); }
@@ -236,6 +270,17 @@ std::span<const double> World::von_mises(BodyId id) const { return stress_of(*im
 std::span<const Voigt> World::cauchy_stress(BodyId id) const { return stress_of(*impl_, id).vertex; }
 std::span<const double> World::element_von_mises(BodyId id) const { return stress_of(*impl_, id).element_von_mises; }
 std::span<const Voigt> World::element_cauchy_stress(BodyId id) const { return stress_of(*impl_, id).element; }
+
+std::vector<Voigt> World::plastic_strain(BodyId id) const {
+    const Body& body = impl_->body(id);
+    const AlignedVector<double>& plastic = body.state.plastic;
+    std::vector<Voigt> strain(plastic.empty() ? 0 : body.element_count());
+    for (std::size_t e = 0; e < strain.size(); ++e) {
+        const std::size_t slot = body.layout().slot[e], block = slot / fem::kBlock, lane = slot % fem::kBlock;
+        for (std::size_t k = 0; k < 6; ++k) strain[e][k] = plastic[(block * 6 + k) * fem::kBlock + lane];
+    }
+    return strain;
+}
 
 Energy World::energy() const {
     Energy energy;

@@ -11,6 +11,7 @@
 #include "supple/base/log.h"
 #include "supple/material/material.h"
 #include "supple/math/isa.h"
+#include "supple/mesh/skin.h"
 #include "supple/world/attachment.h"
 #include "supple/world/body_template.h"
 #include "supple/world/collider.h"
@@ -79,7 +80,8 @@ struct WorldDef {
 
 /// A part of a body whose matter differs. Regions apply in their order.
 struct MaterialRegion {
-    Selection where{};                    ///< the elements whose vertices are all selected; at least one
+    Selection where{};                    ///< selects at least one element
+    ElementRule rule = ElementRule::all_vertices;  ///< which elements these are
     std::optional<Material> material{};   ///< in place of the body's, of any law; empty: only the factor and the density change
     double stiffness_factor = 1;          ///< multiplies every modulus of the elements, > 0; those of several regions multiply
     double density_kg_m3 = 0;             ///< > 0; 0 keeps the body's
@@ -96,6 +98,7 @@ struct BodyDef {
     std::vector<double> stiffness_factor_per_element{};///< empty, or one per element, > 0: multiplies every modulus
     std::vector<double> density_kg_m3_per_element{};   ///< empty, or one per element, > 0: overrides density_kg_m3
     std::vector<MaterialRegion> regions{};             ///< applied after the above
+    std::shared_ptr<const Skin> skin{};                ///< drawn and picked in place of the boundary; made for shape->mesh(). Null: none
     Vec3 translation_m = Vec3::Zero();                 ///< of the start position; the rest shape stays where the mesh is
     Vec3 velocity_m_s = Vec3::Zero();                  ///< at the start
 };
@@ -108,8 +111,10 @@ struct Energy {
 
 struct PickHit {
     BodyId body;
-    std::int32_t triangle = -1, element = -1;  ///< boundary triangle and the element it bounds
-    std::array<double, 3> barycentric{};
+    std::int32_t triangle = -1, element = -1;  ///< boundary triangle and the element it bounds; of a body with a skin: -1, and the element that moves the point
+    std::int32_t skin_triangle = -1;           ///< of the body's skin; -1 where it has none
+    std::array<double, 3> barycentric{};       ///< in that triangle
+    std::array<double, 8> element_weights{};   ///< of the element's vertices (4 or 8): the point is their weighted sum
     Vec3 position_m = Vec3::Zero();
     double distance = 0;                       ///< in lengths of the ray's direction
 };
@@ -143,6 +148,9 @@ public:
     std::vector<BodyId> bodies() const;                  ///< living bodies, in the order they were added
     const BodyTemplate& shape(BodyId body) const;
     const std::string& name(BodyId body) const;
+    std::shared_ptr<const Skin> skin(BodyId body) const; ///< null: none
+    std::vector<Vec3> skin_positions(BodyId body) const; ///< [m]; empty: none. In a loop: skin()->embedding().deform(positions(), kept array)
+    const BodyDef& definition(BodyId body) const;        ///< as it was added, with the changes of matter since
 
     /// Holds the selected vertices where they are now (in the given axes). Returns how many; nothing selected is an Error.
     std::size_t fix(BodyId body, const Selection& where, Axes axes = {});
@@ -179,6 +187,9 @@ public:
     std::uint64_t step_count() const;
     const WorldDef& def() const;
     void set_gravity(const Vec3& gravity_m_s2);
+    /// Other tolerances, iterations, damping, preconditioner ... from the next step on, as if the world had been made with them and brought to its present
+    /// state. integrator, precision and tangent stay (`automatic` means those at work): another one is Error(unsupported); ranges are those of the constructor.
+    void set_solver(const SolverDef& solver);
 
     // -- results --------------------------------------------------------------------------------------
     std::span<const Vec3> positions(BodyId body) const;           ///< [m]
@@ -191,6 +202,8 @@ public:
     std::span<const Voigt> cauchy_stress(BodyId body) const;      ///< per vertex [Pa]
     std::span<const double> element_von_mises(BodyId body) const; ///< per element [Pa]
     std::span<const Voigt> element_cauchy_stress(BodyId body) const;
+    /// Plastic strain per element, in its own frame, engineering shears; empty for a body that cannot flow.
+    std::vector<Voigt> plastic_strain(BodyId body) const;
     /// Tensor, von Mises and principal stresses at vertices or elements by the strain and the recovery of `def`: any element, any law.
     StressField stress(BodyId body, const StressDef& def = {}) const;
     void stress(BodyId body, const StressDef& def, StressField& out) const;  ///< the same into arrays that are kept: allocates only to grow

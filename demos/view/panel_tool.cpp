@@ -1,0 +1,16 @@
+#include "view/gui.h"
+#include "view/panels.h"
+
+namespace supple::demos::view {
+
+void tool_panel(Desk& desk, double ui_scale) {
+    if (!header("Tool", true)) return;
+    std::vector<std::string> names;
+    for (const auto& tool : desk.tools) names.emplace_back(tool->name());
+    int chosen = int(desk.tool);
+    if (choice("At hand", "tool", chosen, names, "keys 1, 2, 3")) desk.choose_tool(std::size_t(chosen));
+    quiet_sentence(desk.tool_at_hand().hint());
+    desk.tool_at_hand().panel(ui_scale);
+}
+
+}  // namespace supple::demos::view

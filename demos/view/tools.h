@@ -1,0 +1,11 @@
+#pragma once
+#include "view/tool.h"
+
+namespace supple::demos::view {
+
+// One per file tool_<name>.cpp.
+std::unique_ptr<Tool> make_grab_tool();   ///< a patch of surface follows the cursor
+std::unique_ptr<Tool> make_pinch_tool();  ///< two jaws close on the surface, then follow the cursor
+std::unique_ptr<Tool> make_poke_tool();   ///< a ball is pushed into the surface; it never pulls
+
+}  // namespace supple::demos::view
