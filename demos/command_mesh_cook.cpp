@@ -22,7 +22,7 @@ namespace {
 
 struct CookOptions {
     std::string in, out, skin;
-    bool hexes = false, cage = false;
+    bool tets = false, hexes = false, cage = false;
     std::size_t elements = 20000;
     double edge_m = 0, budget_ms = 0, scale = 1;
     double young_pa = 1e4, time_step_s = 1.0 / 60;
@@ -128,7 +128,7 @@ void add_mesh_cook_command(CLI::App& mesh, int& status) {
     command->add_option("in", o->in, "surface file")->required();
     command->add_option("--out", o->out, "mesh file to write; .msh for hexes and cages")->required();
     CLI::Option_group* kinds = command->add_option_group("kind");
-    kinds->add_flag("--tets", "tetrahedra snapped to the surface, dihedral angles in 8.9..158.8 degrees [default]");
+    kinds->add_flag("--tets", o->tets, "tetrahedra snapped to the surface, dihedral angles in 8.9..158.8 degrees [default]");
     kinds->add_flag("--hexes", o->hexes, "cubes, those on the boundary filled in part");
     kinds->add_flag("--cage", o->cage, "tetrahedra around all of the surface, filled in part");
     kinds->require_option(0, 1);

@@ -28,7 +28,7 @@ const std::map<std::string, std::set<std::string>>& rooms() {
         {"fem", {"material", "mesh", "math", "base"}},
         {"contact", {"mesh", "math", "base"}},
         {"world", {"contact", "solve", "fem", "material", "mesh", "math", "base"}},
-        {"io", {"world", "mesh", "material", "math", "base"}},
+        {"io", {"world", "contact", "mesh", "material", "math", "base"}},
         {"haptics", {"world", "contact", "math", "base"}},
         {"render", {"world", "mesh", "math", "base"}},
         {"bindings", {"render", "haptics", "io", "world", "contact", "fem", "solve", "material", "mesh", "math", "base"}},
