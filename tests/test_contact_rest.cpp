@@ -76,7 +76,7 @@ TEST(ContactRest, ReactionsAndContactsShareTheWeight) {
     const BodyId body = world.add_body({.shape = test::bar({16, 4, 4}), .material = Corotational{.young_pa = 5e4, .poisson = 0.4}});
     world.fix(body, test::at_x(0));
     world.add_collider({.shape = BoxShape{Vec3(0.02, 0.05, 0.2)}, .pose = {Vec3(0.39, -0.06, 0.05), {1, 0, 0, 0}}});  // the end of the bar sags onto it
-    ASSERT_TRUE(test::run_to_rest(world, 1e-6, 1500));
+    ASSERT_TRUE(test::run_to_rest(world, 2e-5, 1500));
     const Vec3 weight(0, test::total_mass(world, body) * 9.81, 0);
     EXPECT_LT((world.contact_force_n() + world.reaction_n() - weight).norm(), 1e-4 * weight.norm());
     EXPECT_GT(world.contact_force_n().y(), 0.1 * weight.y());
@@ -94,7 +94,7 @@ TEST(ContactRest, ABlockOnAnInclineSticksAndSlipsAtTheCoefficientOfFriction) {
             const BodyId body = world.add_body({.shape = BodyTemplate::build(make_tet_box({.min_m = Vec3::Zero(), .max_m = Vec3(0.2, 0.05, 0.1), .cells = {8, 2, 4}})),
                                                 .material = Corotational{.young_pa = 1e6, .poisson = 0.3}});
             world.add_collider({.friction = mu});
-            for (int n = 0; n < 240; ++n) EXPECT_EQ(world.step().flags, StepFlag::none);
+            for (int n = 0; n < 360; ++n) EXPECT_EQ(world.step().flags, StepFlag::none);
             const double m = test::total_mass(world, body), before = test::momentum(world, body).x() / m;
             for (int n = 0; n < 120; ++n) world.step();
             const double after = test::momentum(world, body).x() / m;
@@ -102,8 +102,8 @@ TEST(ContactRest, ABlockOnAnInclineSticksAndSlipsAtTheCoefficientOfFriction) {
             if (part < 1) {
                 EXPECT_LT(std::abs(after), 1e-6) << "mu " << mu << ": it sticks, and does not creep";
             } else {
-                EXPECT_NEAR(after - before, theory, 0.02 * 9.81 * mu * std::cos(angle)) << "mu " << mu;
-                EXPECT_GT(after, 0.5 * 3 * theory);
+                EXPECT_NEAR(after - before, theory, 0.005 * 9.81 * mu * std::cos(angle)) << "mu " << mu;
+                EXPECT_GT(after - before, 0.6 * theory);
             }
         }
     }

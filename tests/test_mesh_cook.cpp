@@ -48,15 +48,17 @@ double volume_of(const VolumeMesh& mesh) { return supple_test::sum_of_tets(mesh)
 constexpr double kBall = 4.0 / 3 * std::numbers::pi;
 
 TEST(MeshTriangleTree, WindingNumbersAreSolidAngles) {
-    const mesh::TriangleMesh s = joined(sphere(30, Vec3::Zero(), 1), sphere(12, Vec3(0.7, 0.2, 0.1), 0.6));
+    const mesh::TriangleMesh s = joined(sphere(20, Vec3::Zero(), 1), sphere(12, Vec3(0.7, 0.2, 0.1), 0.6));
     const TriangleTree tree(s);
     Random random(3);
-    for (int i = 0; i < 2000; ++i) {
+    for (int i = 0; i < 500; ++i) {
         const Vec3 x = 2 * random.vec();
         const double exact = tree.exact_winding_number(x);
         ASSERT_NEAR(tree.winding_number(x), exact, 0.01) << i;
         ASSERT_NEAR(tree.winding_number(x, 1e9), exact, 1e-12) << "without expansions";
-        if (x.norm() > 1.02 && (x - Vec3(0.7, 0.2, 0.1)).norm() > 0.62) ASSERT_NEAR(exact, 0, 1e-9);
+        if (x.norm() > 1.02 && (x - Vec3(0.7, 0.2, 0.1)).norm() > 0.62) {
+            ASSERT_NEAR(exact, 0, 1e-9);
+        }
     }
     EXPECT_NEAR(tree.exact_winding_number(Vec3(0.6, 0.2, 0.1)), 2, 1e-9) << "in both";
 }
@@ -77,7 +79,9 @@ TEST(MeshTriangleTree, NearestAndFirstHitAreThoseOfAllTriangles) {
         const Ray ray{x, random.vec()};
         const auto all = intersect(ray, s.triangles, s.vertices), hit = tree.first_hit(ray);
         ASSERT_EQ(all.has_value(), hit.has_value());
-        if (all) ASSERT_NEAR(all->distance, hit->distance, 1e-12);
+        if (all) {
+            ASSERT_NEAR(all->distance, hit->distance, 1e-12);
+        }
     }
 }
 
@@ -91,7 +95,7 @@ TEST(MeshSolidRegion, VolumesOfClosedOverlappingHoledAndTurnedSurfaces) {
     EXPECT_NEAR(SolidRegion(turned).volume(team), kBall, 0.006 * kBall);
     // Two balls a distance of one apart: their union, not their sum.
     const double lens = std::numbers::pi / 12 * 5;
-    EXPECT_NEAR(SolidRegion(joined(ball, sphere(40, Vec3(1, 0, 0), 1))).volume(team), 2 * kBall - lens, 0.01 * kBall);
+    EXPECT_NEAR(SolidRegion(joined(ball, sphere(40, Vec3(1, 0, 0), 1))).volume(team), 2 * kBall - lens, 0.02 * kBall);
     mesh::TriangleMesh holed = ball;
     std::erase_if(holed.triangles, [&](const Triangle& t) { return holed.vertices[std::size_t(t[0])].z() > 0.92; });
     EXPECT_NEAR(SolidRegion(holed).volume(team), kBall, 0.02 * kBall);
@@ -160,7 +164,7 @@ TEST(MeshCook, SameBitsFromEveryTeam) {
         VolumeMesh first;
         for (int threads = 1; threads <= 3; ++threads) {
             Team team(threads);
-            VolumeMesh mesh = cook(s, {.kind = kind, .elements = 1500}, team);
+            VolumeMesh mesh = cook(s, {.kind = kind, .elements = 600}, team);
             if (threads == 1) {
                 first = std::move(mesh);
                 continue;
@@ -210,7 +214,9 @@ TEST(MeshRefine, KeepsVolumeFacesRegionsAndFill) {
         EXPECT_EQ(fine.fill.size(), fine.element_count());
         EXPECT_TRUE(closed_and_oriented(extract_boundary(fine)));
         EXPECT_EQ(extract_boundary(fine).triangles.size(), 16 * extract_boundary(mesh).triangles.size()) << "conforming inside";
-        if (!hexes) EXPECT_GT(tet_mesh_quality(fine).min_radius_ratio, 0.2 * tet_mesh_quality(mesh).min_radius_ratio);
+        if (!hexes) {
+            EXPECT_GT(tet_mesh_quality(fine).min_radius_ratio, 0.2 * tet_mesh_quality(mesh).min_radius_ratio);
+        }
     }
     expect_error(ErrorCode::invalid_argument, "refine", [&] { refine(VolumeMesh{}, 11); });
 }

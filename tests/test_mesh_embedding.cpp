@@ -78,7 +78,9 @@ TEST(MeshEmbedding, InsideMeansWeightsOfTheElementThatHoldsThePoint) {
         const Embedding embedding(mesh, points);
         EXPECT_EQ(embedding.report().outside, 0u);
         EXPECT_EQ(embedding.report().worst_point, -1);
-        if (!hexes) EXPECT_TRUE(std::equal(home.begin(), home.end(), embedding.elements().begin()));
+        if (!hexes) {
+            EXPECT_TRUE(std::equal(home.begin(), home.end(), embedding.elements().begin()));
+        }
     }
 }
 

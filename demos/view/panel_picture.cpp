@@ -47,6 +47,7 @@ void picture_panel(Desk& desk) {
     checkbox("Numbers", "hud", desk.hud, "the line at the top of the picture");
     ImGui::SameLine();
     checkbox("Captions", "captions", desk.captions, "what the demo says");
+    checkbox("Contacts", "contacts", desk.frame.contacts, "forces of the contacts with rigid shapes, as arrows");
 }
 
 }  // namespace supple::demos::view

@@ -42,7 +42,7 @@ constexpr int kHalvings = 16;    // of a line search
 constexpr int kSections = 16;     // of the golden section
 constexpr int kMarches = 200;
 constexpr double kFlat = 1e-3;   // of the triangle's size: a gain that is none
-constexpr double kPull = 0.02;   // towards the middle of a triangle, of its size at its size's distance
+constexpr double kPull = 0.1;    // towards the middle of a triangle, of its size at its size's distance
 
 /// What is made least: the distance, and a little for being far from the middle. Where a triangle lies flat on a face, or along an edge, many points are as deep;
 /// this chooses one that moves smoothly with the two.

@@ -17,7 +17,7 @@ struct TrianglePoint {
 
 /// The point of triangle (a, b, c) whose signed distance from the shape is least. Exact for spheres; for the others to about a thousandth of the
 /// triangle's size: Frank and Wolfe's descent, and a search by lines where that meets a crease. The distance from a convex shape is convex; in a mesh shape
-/// it may find a point that is only the deepest around. Of points that are about as deep (to a fiftieth of the size) the one nearer to the middle is taken, which
+/// it may find a point that is only the deepest around. Of points that are about as deep (to a tenth of the size) the one nearer to the middle is taken, which
 /// moves smoothly with the two.
 TrianglePoint deepest_on_triangle(const Shape& shape, const Vec3& a, const Vec3& b, const Vec3& c);
 

@@ -3,6 +3,7 @@
 #include "supple/contact/distance_grid.h"
 #include "supple/io/mesh_file.h"
 #include "supple/io/scene_parts.h"
+#include "supple/io/surface_file.h"
 #include "supple/io/text_scanner.h"
 #include "supple/mesh/surface.h"
 
@@ -26,7 +27,19 @@ std::array<double, 4> read_rotation(const JsonNode& node) {
 
 double size(const JsonNode& node, const char* key) { return node.at(key).number_above(0, kLargest_m); }
 
-/// The inside of a mesh file: of a volume mesh its boundary.
+/// The surface of a mesh file: of a volume mesh its boundary.
+mesh::TriangleMesh read_closed_surface(const std::filesystem::path& file) {
+    try {
+        VolumeMesh volume = read_mesh(file);
+        check_and_repair(volume);
+        return {volume.vertices, extract_boundary(volume).triangles};
+    } catch (const Error& error) {
+        if (error.code() != ErrorCode::surface_mesh && error.code() != ErrorCode::unsupported) throw;
+    }
+    return read_surface(file);
+}
+
+/// The inside of a mesh file.
 MeshShape read_mesh_shape(const JsonNode& node, SceneContext& context) {
     node.require_object({"file", "scale", "cells"});
     const JsonNode path = node.at("file", "name a closed surface or a volume mesh, relative to the scene file");
@@ -34,11 +47,9 @@ MeshShape read_mesh_shape(const JsonNode& node, SceneContext& context) {
     const int cells = node.has("cells") ? int(node.at("cells").integer(8, 256)) : 64;
     const std::filesystem::path file = context.folder / path.text();
     try {
-        VolumeMesh mesh = read_mesh(file);
-        for (Vec3& x : mesh.vertices) x *= scale;
-        check_and_repair(mesh);
-        const BoundarySurface boundary = extract_boundary(mesh);
-        return {contact::DistanceGrid::build(mesh.vertices, boundary.triangles, file.filename().string(), cells)};
+        mesh::TriangleMesh surface = read_closed_surface(file);
+        for (Vec3& x : surface.vertices) x *= scale;
+        return {contact::DistanceGrid::build(surface.vertices, surface.triangles, file.filename().string(), cells)};
     } catch (const Error& error) {
         throw Error(error.code(), path.where(), error.what());
     }

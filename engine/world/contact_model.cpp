@@ -291,6 +291,7 @@ void read_contacts(StepContext& ctx, BodyId id, Body& body) {
         memory.collider = c.collider;
         memory.generation = collider.generation;
         memory.vertex = {c.vertex[0], c.vertex[1], c.vertex[2]};
+        memory.weight = {c.weight[0], c.weight[1], c.weight[2]};
         memory.friction_n = {point.friction_force_n[0], point.friction_force_n[1], point.friction_force_n[2]};
         memory.boost = point.depth_m < kEasy * c.allowed_depth ? std::max(1.0, c.boost / 2) : c.boost;
         body.state.contacts.push_back(memory);

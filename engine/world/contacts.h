@@ -19,9 +19,10 @@ struct ContactMemory {
     std::array<std::int32_t, 3> vertex{-1, -1, -1};  ///< whose weights are not zero, ascending; -1 behind them
     std::int32_t unused = 0;
     std::array<double, 3> friction_n{};              ///< on the body
+    std::array<double, 3> weight{};                  ///< of the vertices
     double boost = 1;                                ///< of the stiffness
 };
-static_assert(sizeof(ContactMemory) == 56);
+static_assert(sizeof(ContactMemory) == 80);
 
 inline constexpr std::uint32_t kNoCollider = 0xffffffff;
 

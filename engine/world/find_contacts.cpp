@@ -28,6 +28,7 @@ constexpr double kNear = 1e-3;             // of the edges, or of the thinness i
 constexpr double kRoundEnough = 2.5;       // edges: a shape as round as that needs the vertices alone
 constexpr double kCorner = 1e-3;           // a weight below it is none
 constexpr double kProtrudes = 0.02;        // of the edges: how much deeper a triangle's inside must be than its corners; half of that to stay
+constexpr double kFacing = 0.15;           // a triangle whose normal is less against the shape's does not face it
 constexpr double kFromInside = 0.5;        // normals of body and shape agree by so much: the shape would come out of the body
 
 /// A collider as a body meets it.
@@ -81,7 +82,7 @@ void add_contact(Meeting& m, const Found& f) {
     std::array<std::pair<std::int32_t, double>, 3> corner{};
     double sum = 0;
     for (std::size_t k = 0; k < 3; ++k) {
-        if (f.vertex[k] < 0 || f.weight[k] < kCorner) continue;
+        if (f.vertex[k] < 0) continue;
         corner[c.corners++] = {f.vertex[k], f.weight[k]};
         sum += f.weight[k];
     }
@@ -170,18 +171,25 @@ void look_at_vertex(Meeting& m, std::int32_t v) {
     add_contact(m, found);
 }
 
-/// True if the point of a triangle with these weights pressed in the last step.
-bool remembered(const Meeting& m, const Triangle& triangle, const Vec3& weight) {
-    std::array<std::int32_t, 3> vertex{-1, -1, -1};
-    std::size_t count = 0;
-    for (std::size_t k = 0; k < 3; ++k) {
-        if (weight[Eigen::Index(k)] >= kCorner) vertex[count++] = triangle[k];
-    }
-    std::sort(vertex.begin(), vertex.begin() + std::ptrdiff_t(count));
+/// What the inside of a triangle left to this step; null: it did not press.
+const ContactMemory* remembered(const Meeting& m, Triangle triangle) {
+    std::sort(triangle.begin(), triangle.end());
     const std::vector<ContactMemory>& memory = m.body.state.contacts;
-    const auto key = std::tie(m.slot, vertex);
+    const auto key = std::tie(m.slot, triangle);
     const auto at = std::lower_bound(memory.begin(), memory.end(), key, [](const ContactMemory& a, const auto& b) { return std::tie(a.collider, a.vertex) < b; });
-    return at != memory.end() && std::tie(at->collider, at->vertex) == key;
+    return at != memory.end() && std::tie(at->collider, at->vertex) == key ? &*at : nullptr;
+}
+
+/// Half way between a point of a triangle and that of the last step: a facet that turns with the force at its point would swing to and fro for ever.
+void follow(const Meeting& m, const ContactMemory& memory, const Triangle& t, const std::array<Vec3, 3>& corner, contact::TrianglePoint& point) {
+    Vec3 p = Vec3::Zero();
+    for (std::size_t k = 0; k < 3; ++k) {
+        const auto at = std::size_t(std::find(memory.vertex.begin(), memory.vertex.end(), t[k]) - memory.vertex.begin());
+        double& w = point.barycentric[Eigen::Index(k)];
+        w = 0.5 * (w + memory.weight[at]);
+        p += w * corner[k];
+    }
+    point.at = contact::distance(m.shape(), p);
 }
 
 /// The deepest point of a triangle, where that is not one of its vertices.
@@ -224,18 +232,23 @@ void look_at_triangle(Meeting& m, std::int32_t triangle) {
         point = contact::deepest_on_triangle(m.shape(), to[0], to[1], to[2]);
         if (point.at.d > surface.margin_m) return;
     }
+    const ContactMemory* memory = remembered(m, t);
+    if (!touch && memory != nullptr) follow(m, *memory, t, to, point);
     const Vec3& w = point.barycentric;
     if (w.maxCoeff() > 1 - kCorner) return;  // a vertex: looked at by itself
     const auto& p = *corner;
     if (!touch) {
         const double least = std::min({contact::distance(m.shape(), p[0]).d, contact::distance(m.shape(), p[1]).d, contact::distance(m.shape(), p[2]).d});
-        if (point.at.d > least - (remembered(m, t, w) ? 0.5 : 1.0) * kProtrudes * edge) return;  // about as deep at a corner
+        if (point.at.d > least - (memory != nullptr ? 0.5 : 1.0) * kProtrudes * edge) return;  // about as deep at a corner
     }
-    // Inside a triangle, contact is along its own normal, whatever edge or corner of the shape is there.
+    // Edges and corners of a shape have no normal of their own: contact is along the triangle's.
     Vec3 normal = point.at.normal;
     const Vec3 outward = (p[1] - p[0]).cross(p[2] - p[0]);
     if (normal.dot(outward) > kFromInside * outward.norm()) return;
-    if (w.minCoeff() > kCorner && outward.norm() > 0 && normal.dot(outward) < 0) normal = -outward.normalized();
+    if (c.feature_radius_m == 0) {
+        if (normal.dot(outward) > -kFacing * outward.norm()) return;  // the side of an edge whose other triangle faces the shape
+        normal = -outward.normalized();
+    }
     found.weight = {w[0], w[1], w[2]};
     found.normal = normal;
     found.local = w[0] * p[0] + w[1] * p[1] + w[2] * p[2] - point.at.d * normal;
@@ -253,7 +266,7 @@ int compare(const Contact& c, const ContactMemory& m) {
     return 0;
 }
 
-/// Friction and stiffness of the last step. An edge that two triangles found is one contact.
+/// Friction and stiffness of the last step.
 void sort_and_remember(const World::Impl& world, Body& body) {
     std::vector<Contact>& list = body.contacts.list;
     std::sort(list.begin(), list.end(), [](const Contact& a, const Contact& b) {

@@ -217,15 +217,16 @@ Solved solve_system(StepContext& ctx, BodyId id, Body& body, double floor, doubl
     Workspace& w = body.work;
     std::fill(w.dv.begin(), w.dv.end(), Vec3::Zero());
     rest_colliders(ctx);
-    if (!first) find_contacts(ctx, id, body);  // begin_touch did
+    if (!first || is_static(ctx)) find_contacts(ctx, id, body);  // begin_touch did, and v0 stands there still
     TouchRounds rounds;
     solve::LinearSolveDef solve_def;
     double rhs_norm = 0;
     for (bool again = false;; again = true) {
         append_touch(ctx, id, body);
-        w.rhs = again ? w.bare : w.b;
-        add_touch(ctx, id, body, true, w.rhs.data());
-        const double norm = free_norm(ctx, body, w.rhs, [&](std::size_t i, const Vec3& free) { w.free_rhs[i] = free; });
+        std::vector<Vec3>& missing = again ? w.residual : w.rhs;  // rhs stays that of v0: line searches ask for it
+        missing = again ? w.bare : w.b;
+        add_touch(ctx, id, body, true, missing.data());
+        const double norm = free_norm(ctx, body, missing, [&](std::size_t i, const Vec3& free) { w.free_rhs[i] = free; });
         if (!again) {
             rhs_norm = norm;
             // Once above the floor, well below it: or the next step would be above it again.
