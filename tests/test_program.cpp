@@ -478,16 +478,16 @@ TEST_F(Program, BenchRepeatsTheSameBits) {
 
 TEST_F(Program, BenchOfAMeshMakesItTwentyCentimetresLargeAndPlotsIt) {
     write_bar();
-    const Result r = supple({"bench", "bar.msh", "--steps", "4", "--repeat", "1", "--tolerance", "1e-4", "--json", "b.json", "--plot", "plots"});
+    const Result r = supple({"bench", "bar.msh", "--steps", "4", "--repeat", "1", "--tolerance", "1e-4", "--refine", "1", "--json", "b.json", "--plot", "plots"});
     ASSERT_EQ(r.status, 0) << r.err << r.out;
     const Json out = read_json("b.json");
     const Json& result = out.at("results")[0];
-    EXPECT_EQ(result.at("name"), "bar-1e-4");
-    EXPECT_EQ(result.at("elements"), 192);
+    EXPECT_EQ(result.at("name"), "bar-refined-1-1e-4");
+    EXPECT_EQ(result.at("elements"), 8 * 192);
     EXPECT_LE(result.at("cg_relative_residual").at("max"), 1e-4);
     const std::string svg = read_text(path("plots/frame_times.svg"));
     EXPECT_EQ(svg.rfind("<svg", 0), 0u);
-    EXPECT_NE(svg.find("bar-1e-4"), std::string::npos);
+    EXPECT_NE(svg.find("bar-refined-1-1e-4"), std::string::npos);
     EXPECT_FALSE(fs::exists(path("plots/cost_against_size.svg"))) << "one size makes no curve";
 }
 

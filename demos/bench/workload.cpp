@@ -117,7 +117,7 @@ Workload many_bodies(const BenchOptions& o) {
 /// A mesh scaled to 0.2 m, its lower tenth held.
 Workload mesh_body(const std::string& file, double tolerance, const BenchOptions& o) {
     Workload w;
-    w.name = std::filesystem::path(file).stem().string() + "-" + tolerance_text(tolerance);
+    w.name = std::filesystem::path(file).stem().string() + (o.show.refine > 0 ? "-refined-" + std::to_string(o.show.refine) : "") + "-" + tolerance_text(tolerance);
     w.make = [file, tolerance, o] {
         VolumeMesh mesh = refine(io::read_mesh(file), o.show.refine);
         Vec3 low = Vec3::Constant(HUGE_VAL), high = -low;
