@@ -109,7 +109,7 @@ protected:
 
     /// A small bar held at its left end, in a scene file that opens at once.
     void write_bar() const {
-        supple::io::write_gmsh(path("bar.msh"), supple::make_tet_box({.max_m = {0.4, 0.1, 0.1}, .cells = {8, 2, 2}}));
+        supple::io::write_mesh(path("bar.msh"), supple::make_tet_box({.max_m = {0.4, 0.1, 0.1}, .cells = {8, 2, 2}}));
         std::ofstream(path("bar.json")) << R"({"supple_scene": 1, "time_step_s": 0.01, "gravity_m_s2": [0, -9.81, 0],
             "bodies": [{"name": "bar", "mesh": "bar.msh", "density_kg_m3": 1000, "material": {"law": "corotational", "young_pa": 2e5, "poisson": 0.4},
                         "fixed": [{"box": {"min_m": [-1, -1, -1], "max_m": [1e-6, 1, 1]}}]}]})";
