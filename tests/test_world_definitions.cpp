@@ -279,13 +279,11 @@ TEST(WorldIds, MessagesNameWhatAMaterialWillNotDo) {
     world.add_body({.shape = hexes, .material = Linear{}});
     world.add_body({.shape = tets, .material = Corotational{}});
     world.add_body({.shape = tets, .material = Corotational{.poisson = 0.49, .volumetric = Volumetric::nodal}});
-    EXPECT_TRUE(messages.empty());
     world.add_body({.shape = hexes, .material = Corotational{.poisson = 0.49}});
-    ASSERT_EQ(messages.size(), 1u);
-    EXPECT_NE(messages[0].find("warped"), std::string::npos) << messages[0];
+    EXPECT_TRUE(messages.empty());
     world.add_body({.shape = tets, .poisson_per_element = std::vector<double>(6, 0.49)});
-    ASSERT_EQ(messages.size(), 2u);
-    EXPECT_NE(messages[1].find("nodal"), std::string::npos) << messages[1];
+    ASSERT_EQ(messages.size(), 1u);
+    EXPECT_NE(messages[0].find("nodal"), std::string::npos) << messages[0];
 }
 
 TEST(WorldIds, AWorldCanBeMoved) {

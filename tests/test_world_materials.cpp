@@ -184,9 +184,6 @@ TEST(WorldMaterials, LawsOfAllFamiliesMoveTogether) {
         EXPECT_EQ(threads == 1 ? world.hash() : hash, world.hash());
         hash = world.hash();
     }
-    def.regions.push_back({.where = Everything{}, .material = Costa{}});
-    World world(world_def());
-    EXPECT_THROW(world.add_body(def), Error) << "Costa's law has no hexahedra";
 }
 
 /// A change of laws that groups the elements anew goes on as a world that was built so, whatever was made for the old groups.

@@ -149,7 +149,7 @@ TEST(WorldDrag, TheForceNeverExceedsItsCap) {
             double strongest = 0;
             for (int n = 0; n < 200; ++n) {
                 if (n % 7 == 0) bar.world.move_drag(drag, hit.position_m + random.vector(n % 3 == 0 ? 0.5 : 0.005));
-                ASSERT_EQ(bar.world.step().flags, StepFlag::none);
+                ASSERT_EQ(bar.world.step().flags, StepFlag::none) << "Newton " << newton << ", step " << n;
                 const double force = bar.world.drag_state(drag).force_n.norm();
                 ASSERT_LE(force, cap * (1 + 1e-9)) << "step " << n;
                 strongest = std::max(strongest, force);

@@ -55,7 +55,8 @@ std::shared_ptr<const BodyTemplate> read_shape(const JsonNode& node, double scal
         for (const char* key : {"units", "up"})
             if (node.has(key)) node.at(key).fail("a generated box is in metres and has no file to convert; remove this key");
         const JsonNode box = node.at("box");
-        VolumeMesh mesh = at_pointer(box, [&] { return refine(read_generated_box(box), refined); });
+        VolumeMesh mesh = read_generated_box(box);
+        if (refined > 0) mesh = at_pointer(box, [&] { return refine(mesh, refined); });
         return at_pointer(box, [&] { return BodyTemplate::build(std::move(mesh), scale); });
     }
     const JsonNode path = node.at("mesh", "give \"mesh\": \"file\" or \"box\": {\"min_m\", \"max_m\", \"cells\"}");

@@ -15,10 +15,17 @@ void check_finite(const Vec3& v, const std::string& where) {
     if (!v.allFinite()) bad(where, "is not finite");
 }
 
+/// False for what is no quaternion.
+bool normalise(std::array<double, 4>& q) {
+    const double length = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+    if (!(length > 1e-6 && length < 1e6)) return false;
+    for (double& x : q) x /= length;
+    return true;
+}
+
 void normalise(std::array<double, 4>& q, const std::string& where) {
     const double length = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
-    if (!(length > 1e-6 && length < 1e6)) bad(where, "is no quaternion w, x, y, z: its length is " + to_text(length) + "; 1, 0, 0, 0 is no rotation");
-    for (double& x : q) x /= length;
+    if (!normalise(q)) bad(where, "is no quaternion w, x, y, z: its length is " + to_text(length) + "; 1, 0, 0, 0 is no rotation");
 }
 
 void check_pose(Pose& pose, const std::string& where) {
@@ -132,7 +139,7 @@ const ColliderDef& World::collider(ColliderId id) const { return impl_->collider
 void World::move_collider(ColliderId id, const Pose& pose) {
     Collider& c = impl_->collider(id);
     Pose to = pose;
-    check_pose(to, "World::move_collider");
+    if (!to.position_m.allFinite() || !normalise(to.rotation_wxyz)) check_pose(to = pose, "World::move_collider");  // makes its messages, needed or not
     if (c.def.keys.size() > 0) bad("World::move_collider", "\"" + c.def.name + "\" follows its keyframes; define it without");
     c.target = to;
     if (c.def.motion == ColliderMotion::fixed || c.def.motion == ColliderMotion::dynamic) c.pose = to;

@@ -130,8 +130,9 @@ bool comes_to_rest(StepContext& ctx, BodyId id, Body& body, double rhs_norm, dou
     return false;
 }
 
-void report_solve(StepContext& ctx, const solve::LinearSolveResult& result, double scale) {
-    if (result.stalled) ctx.report.flags |= StepFlag::residual_stalled;
+void report_solve(StepContext& ctx, Body& body, const solve::LinearSolveResult& result, double scale) {
+    // Below what rounding leaves of forces in balance there is nothing to be had by any precision.
+    if (result.stalled && result.residual > rounding_residual(ctx, body)) ctx.report.flags |= StepFlag::residual_stalled;
     if (result.out_of_time) {
         ctx.report.flags |= StepFlag::budget;
     } else if (!result.converged && !result.stalled) {
@@ -227,7 +228,7 @@ Solved solve_system(StepContext& ctx, BodyId id, Body& body, double floor, doubl
         missing = again ? w.bare : w.b;
         add_touch(ctx, id, body, true, missing.data());
         const double norm = free_norm(ctx, body, missing, [&](std::size_t i, const Vec3& free) { w.free_rhs[i] = free; });
-        if (!again) {
+        if (norm > rhs_norm || !again) {  // a spring that has met its cap is another equation, of another size
             rhs_norm = norm;
             // Once above the floor, well below it: or the next step would be above it again.
             solve_def.target = std::max(tolerance * rhs_norm, rhs_norm > floor ? 0.3 * floor : floor);
@@ -248,7 +249,7 @@ Solved solve_system(StepContext& ctx, BodyId id, Body& body, double floor, doubl
         ctx.report.cg_iterations += result.iterations;
         if (result.indefinite) return Solved::indefinite;
         if (!std::isfinite(result.residual)) return Solved::not_finite;
-        report_solve(ctx, result, std::max(rhs_norm, floor / tolerance));
+        report_solve(ctx, body, result, std::max(rhs_norm, floor / tolerance));
         if (result.out_of_time || touch_agrees(ctx, id, body, rounds)) return Solved::yes;
         ++ctx.report.contact_iterations;
     }
