@@ -11,8 +11,14 @@ if [ -z "$clang" ]; then
     exit 0
 fi
 mkdir -p "$folder" build/fuzz/include
+printf 'extern "C" int LLVMFuzzerTestOneInput(const unsigned char*, unsigned long) { return 0; }\n' >build/fuzz/probe.cpp
+if ! "$clang" -fsanitize=fuzzer,address,undefined build/fuzz/probe.cpp -o build/fuzz/probe 2>/dev/null; then
+    echo "fuzzing skipped: $clang has no libFuzzer here (apt-get install libclang-rt-14-dev)" >&2
+    exit 0
+fi
 ln -sfn "$(pwd)/engine" build/fuzz/include/supple
-sources="engine/base/error.cpp engine/mesh/volume_mesh.cpp engine/mesh/topology.cpp engine/mesh/surface.cpp"
+sources="engine/base/error.cpp engine/mesh/volume_mesh.cpp engine/mesh/topology.cpp engine/mesh/surface.cpp
+    engine/mesh/skin.cpp engine/mesh/embedding.cpp engine/mesh/triangle_tree.cpp engine/mesh/box_tree.cpp"
 for name in $(ls engine/io/*.cpp); do
     case $name in
         */json_node.cpp | */material_keys.cpp | */matrix_market.cpp | */probe_table.cpp | */report.cpp | */scene*.cpp | */result_*.cpp | */text_files.cpp | */mesh_units.cpp) ;;
