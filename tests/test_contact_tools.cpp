@@ -47,7 +47,7 @@ WorldDef quick(int threads = 1) {
     return def;
 }
 
-TEST(ContactTools, AFastForceLimitedToolDoesNotFallThroughASoftSlab) {
+TEST(SlowContactTools, AFastForceLimitedToolDoesNotFallThroughASoftSlab) {
     for (const double young : {2e4}) {
         for (const double x : {0.0, 0.0021, 0.0042}) {  // onto a vertex, an edge, the inside of a triangle
             Slab slab(quick(), young);
