@@ -228,7 +228,7 @@ Solved solve_system(StepContext& ctx, BodyId id, Body& body, double floor, doubl
         missing = again ? w.bare : w.b;
         add_touch(ctx, id, body, true, missing.data());
         const double norm = free_norm(ctx, body, missing, [&](std::size_t i, const Vec3& free) { w.free_rhs[i] = free; });
-        if (norm > rhs_norm || !again) {  // a spring that has met its cap is another equation, of another size
+        if (!again) {
             rhs_norm = norm;
             // Once above the floor, well below it: or the next step would be above it again.
             solve_def.target = std::max(tolerance * rhs_norm, rhs_norm > floor ? 0.3 * floor : floor);
