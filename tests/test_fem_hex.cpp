@@ -10,24 +10,15 @@
 #include "supple/world/template_data.h"
 #include "support/bodies.h"
 #include "support/elements.h"
+#include "support/hexes.h"
 
 namespace supple {
 namespace {
 
+using test::eigenvalues;
+using test::kBoth;
 using test::Random;
-
-constexpr Integration kBoth[] = {Integration::full, Integration::incompatible};
-
-fem::HexShape shaken_cube(double shake, std::uint64_t seed) {
-    Random random(seed);
-    fem::HexShape X;
-    for (std::size_t a = 0; a < 8; ++a) {
-        X[a] = Vec3(fem::kHexCorner[a][0], fem::kHexCorner[a][1], fem::kHexCorner[a][2]) / 2 + random.vector(shake);
-    }
-    return X;
-}
-
-Eigen::VectorXd eigenvalues(const Eigen::MatrixXd& K) { return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(K, Eigen::EigenvaluesOnly).eigenvalues(); }
+using test::shaken_cube;
 
 TEST(HexStiffness, HasSixZeroModesAndNoOther) {
     for (const Integration integration : kBoth) {

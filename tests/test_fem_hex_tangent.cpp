@@ -1,8 +1,6 @@
 // The exact tangent of hexahedra: the derivative of their frame.
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
-
 #include "supple/base/error.h"
 #include "supple/fem/elements.h"
 #include "supple/fem/hex8_stiffness.h"
@@ -10,24 +8,15 @@
 #include "supple/world/template_data.h"
 #include "support/bodies.h"
 #include "support/elements.h"
+#include "support/hexes.h"
 
 namespace supple {
 namespace {
 
+using test::eigenvalues;
+using test::kBoth;
 using test::Random;
-
-constexpr Integration kBoth[] = {Integration::full, Integration::incompatible};
-
-fem::HexShape shaken_cube(double shake, std::uint64_t seed) {
-    Random random(seed);
-    fem::HexShape X;
-    for (std::size_t a = 0; a < 8; ++a) {
-        X[a] = Vec3(fem::kHexCorner[a][0], fem::kHexCorner[a][1], fem::kHexCorner[a][2]) / 2 + random.vector(shake);
-    }
-    return X;
-}
-
-Eigen::VectorXd eigenvalues(const Eigen::MatrixXd& K) { return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(K, Eigen::EigenvaluesOnly).eigenvalues(); }
+using test::shaken_cube;
 
 std::vector<Vec3> difference_of_forces(const BodyTemplate& shape, const Material& material, const std::vector<Vec3>& x, const std::vector<Vec3>& d) {
     const double h = 1e-6;

@@ -36,7 +36,7 @@ void expect_all_cook(std::size_t elements, double volume_tolerance) {
                   << " degrees, volume " << 100 * report.volume_m3 / report.region_volume_m3 << " %\n";
         EXPECT_GT(report.quality.min_dihedral_deg, 8) << file;
         EXPECT_LT(report.quality.max_dihedral_deg, 160) << file;
-        EXPECT_NEAR(double(mesh.tets.size()), double(elements), 0.2 * double(elements)) << file;
+        EXPECT_NEAR(double(mesh.tets.size()), double(elements), 0.12 * double(elements)) << file;
         EXPECT_NEAR(report.volume_m3 / report.region_volume_m3, 1, volume_tolerance) << file;
         if (std::abs(report.volume_m3 / report.region_volume_m3 - 1) > 0.02) {
             bool said = false;

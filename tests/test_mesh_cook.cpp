@@ -215,7 +215,7 @@ TEST(MeshRefine, KeepsVolumeFacesRegionsAndFill) {
         EXPECT_TRUE(closed_and_oriented(extract_boundary(fine)));
         EXPECT_EQ(extract_boundary(fine).triangles.size(), 16 * extract_boundary(mesh).triangles.size()) << "conforming inside";
         if (!hexes) {
-            EXPECT_GT(tet_mesh_quality(fine).min_radius_ratio, 0.15 * tet_mesh_quality(mesh).min_radius_ratio);
+            EXPECT_GT(tet_mesh_quality(fine).min_radius_ratio, 0.2 * tet_mesh_quality(mesh).min_radius_ratio);
         }
     }
     expect_error(ErrorCode::invalid_argument, "refine", [&] { refine(VolumeMesh{}, 11); });

@@ -3,37 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-namespace supple::contact {
+#include "supple/mesh/triangle_tree.h"
 
-Vec3 closest_on_triangle(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& p) {
-    const Vec3 ab = b - a, ac = c - a, ap = p - a;
-    const double d1 = ab.dot(ap), d2 = ac.dot(ap);
-    if (d1 <= 0 && d2 <= 0) return {1, 0, 0};
-    const Vec3 bp = p - b;
-    const double d3 = ab.dot(bp), d4 = ac.dot(bp);
-    if (d3 >= 0 && d4 <= d3) return {0, 1, 0};
-    const double vc = d1 * d4 - d3 * d2;
-    if (vc <= 0 && d1 >= 0 && d3 <= 0) {
-        const double s = d1 / (d1 - d3);
-        return {1 - s, s, 0};
-    }
-    const Vec3 cp = p - c;
-    const double d5 = ab.dot(cp), d6 = ac.dot(cp);
-    if (d6 >= 0 && d5 <= d6) return {0, 0, 1};
-    const double vb = d5 * d2 - d1 * d6;
-    if (vb <= 0 && d2 >= 0 && d6 <= 0) {
-        const double s = d2 / (d2 - d6);
-        return {1 - s, 0, s};
-    }
-    const double va = d3 * d6 - d5 * d4;
-    if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) {
-        const double s = (d4 - d3) / ((d4 - d3) + (d5 - d6));
-        return {0, 1 - s, s};
-    }
-    const double sum = va + vb + vc;
-    if (!(sum > 0)) return {1, 0, 0};  // no area: any corner of it
-    return {va / sum, vb / sum, vc / sum};
-}
+namespace supple::contact {
 
 namespace {
 
@@ -115,8 +87,8 @@ Candidate search_lines(const Depth& depth, const Vec3& a, const Vec3& b, const V
 
 TrianglePoint deepest_on_triangle(const Shape& shape, const Vec3& a, const Vec3& b, const Vec3& c) {
     if (std::holds_alternative<SphereShape>(shape)) {
-        const Vec3 w = closest_on_triangle(a, b, c, Vec3::Zero());
-        return {w, distance(shape, w[0] * a + w[1] * b + w[2] * c)};
+        const NearestPoint at = nearest_on_triangle(Vec3::Zero(), a, b, c);
+        return {Vec3(at.barycentric[0], at.barycentric[1], at.barycentric[2]), distance(shape, at.point)};
     }
     const Depth depth(shape, a, b, c);
     const std::array<Vec3, 3> corner = {a, b, c};

@@ -5,10 +5,6 @@
 
 namespace supple::contact {
 
-/// Barycentric coordinates of the point of triangle (a, b, c) nearest to p.
-/// @source Ericson 2005, Real-Time Collision Detection, 5.1.5 (regions of Voronoi)
-Vec3 closest_on_triangle(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& p);
-
 /// A point of a triangle against a solid.
 struct TrianglePoint {
     Vec3 barycentric = Vec3(1, 0, 0);

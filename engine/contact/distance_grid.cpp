@@ -7,7 +7,7 @@
 #include <tuple>
 
 #include "supple/base/error.h"
-#include "supple/contact/triangle_tree.h"
+#include "supple/mesh/triangle_tree.h"
 
 namespace supple::contact {
 
@@ -63,7 +63,7 @@ void DistanceGrid::weld(std::span<const Vec3> vertices, std::span<const Triangle
 
 /// Volume, centre and inertia by tetrahedra from the origin (sums of signed parts); turns a surface that is inside out.
 void DistanceGrid::measure(const std::string& name) {
-    bounds_ = Bounds::nothing();
+    bounds_ = {};
     for (const Vec3& p : vertices_) bounds_.include(p);
     const Vec3 from = 0.5 * (bounds_.min_m + bounds_.max_m);
     double volume = 0;
@@ -93,7 +93,7 @@ void DistanceGrid::measure(const std::string& name) {
 }
 
 void DistanceGrid::fill_distances() {
-    const TriangleTree tree(triangles_, vertices_);
+    const TriangleTree tree({vertices_, triangles_});
     value_.resize(nodes_[0] * nodes_[1] * nodes_[2]);
     for (std::size_t k = 0; k < nodes_[2]; ++k) {
         for (std::size_t j = 0; j < nodes_[1]; ++j) {
@@ -101,7 +101,7 @@ void DistanceGrid::fill_distances() {
             for (std::size_t i = 0; i < nodes_[0]; ++i) {
                 const Vec3 p = origin_ + spacing_ * Vec3(double(i), double(j), double(k));
                 // A neighbour's distance bounds this one's.
-                last = std::sqrt(tree.nearest(vertices_, p, last + 1.001 * spacing_).square);
+                last = tree.nearest(p, last + 1.001 * spacing_).distance;
                 value_[(k * nodes_[1] + j) * nodes_[0] + i] = float(last);
             }
         }

@@ -4,6 +4,7 @@
 #include <variant>
 
 #include "supple/math/types.h"
+#include "supple/mesh/box_tree.h"
 
 namespace supple {
 
@@ -52,21 +53,7 @@ struct Distance {
     Vec3 normal = Vec3(0, 1, 0);
 };
 
-struct Bounds {
-    Vec3 min_m = Vec3::Zero(), max_m = Vec3::Zero();
-    bool overlaps(const Bounds& other) const {
-        return (min_m.array() <= other.max_m.array()).all() && (other.min_m.array() <= max_m.array()).all();
-    }
-    void include(const Vec3& p) {
-        min_m = min_m.cwiseMin(p);
-        max_m = max_m.cwiseMax(p);
-    }
-    void grow(double by) {
-        min_m.array() -= by;
-        max_m.array() += by;
-    }
-    static Bounds nothing() { return {Vec3::Constant(1e300), Vec3::Constant(-1e300)}; }
-};
+using Bounds = Box;
 
 /// Volume, centre and inertia of a solid of density one: of a plane all zero.
 struct MassProperties {

@@ -3,6 +3,7 @@
 #include "supple/io/number_text.h"
 #include "supple/io/surface_builder.h"
 #include "supple/io/surface_formats.h"
+#include "supple/mesh/surface_check.h"
 
 namespace supple::io {
 
@@ -77,7 +78,7 @@ mesh::TriangleMesh parse_obj(std::string_view text, const std::string& name) {
 }
 
 std::string format_obj(const mesh::TriangleMesh& mesh) {
-    require_sound(mesh);
+    mesh::require_sound(mesh);
     std::string out = "# " + std::to_string(mesh.vertices.size()) + " vertices, " + std::to_string(mesh.triangles.size()) + " triangles\n";
     for (const Vec3& x : mesh.vertices) {
         out += "v ";

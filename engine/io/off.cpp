@@ -3,6 +3,7 @@
 #include "supple/io/number_text.h"
 #include "supple/io/surface_builder.h"
 #include "supple/io/surface_formats.h"
+#include "supple/mesh/surface_check.h"
 
 namespace supple::io {
 
@@ -71,20 +72,9 @@ mesh::TriangleMesh parse_off(std::string_view text, const std::string& name) {
 }
 
 std::string format_off(const mesh::TriangleMesh& mesh) {
-    require_sound(mesh);
+    mesh::require_sound(mesh);
     std::string out = "OFF\n" + std::to_string(mesh.vertices.size()) + " " + std::to_string(mesh.triangles.size()) + " 0\n";
-    for (const Vec3& x : mesh.vertices) {
-        append(out, x);
-        out += '\n';
-    }
-    for (const Triangle& t : mesh.triangles) {
-        out += '3';
-        for (const std::int32_t v : t) {
-            out += ' ';
-            append(out, v);
-        }
-        out += '\n';
-    }
+    append_lines(out, mesh);
     return out;
 }
 

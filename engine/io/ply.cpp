@@ -5,6 +5,7 @@
 #include "supple/io/number_text.h"
 #include "supple/io/surface_builder.h"
 #include "supple/io/surface_formats.h"
+#include "supple/mesh/surface_check.h"
 
 namespace supple::io {
 
@@ -294,25 +295,14 @@ mesh::TriangleMesh parse_ply(std::string_view bytes, const std::string& name) {
 }
 
 std::string format_ply_ascii(const mesh::TriangleMesh& mesh) {
-    require_sound(mesh);
+    mesh::require_sound(mesh);
     std::string out = head_text(mesh, "ascii");
-    for (const Vec3& x : mesh.vertices) {
-        append(out, x);
-        out += '\n';
-    }
-    for (const Triangle& t : mesh.triangles) {
-        out += '3';
-        for (const std::int32_t v : t) {
-            out += ' ';
-            append(out, v);
-        }
-        out += '\n';
-    }
+    append_lines(out, mesh);
     return out;
 }
 
 std::string format_ply_binary(const mesh::TriangleMesh& mesh) {
-    require_sound(mesh);
+    mesh::require_sound(mesh);
     std::string out = head_text(mesh, "binary_little_endian");
     BinaryText numbers(out);
     for (const Vec3& x : mesh.vertices)

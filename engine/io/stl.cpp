@@ -7,6 +7,7 @@
 #include "supple/io/number_text.h"
 #include "supple/io/surface_builder.h"
 #include "supple/io/surface_formats.h"
+#include "supple/mesh/surface_check.h"
 
 namespace supple::io {
 
@@ -109,7 +110,7 @@ mesh::TriangleMesh parse_stl(std::string_view bytes, const std::string& name) {
 }
 
 std::string format_stl_ascii(const mesh::TriangleMesh& mesh) {
-    require_sound(mesh);
+    mesh::require_sound(mesh);
     std::string out = "solid supple\n";
     for (const Triangle& t : mesh.triangles) {
         out += "facet normal ";
@@ -126,7 +127,7 @@ std::string format_stl_ascii(const mesh::TriangleMesh& mesh) {
 }
 
 std::string format_stl_binary(const mesh::TriangleMesh& mesh) {
-    require_sound(mesh);
+    mesh::require_sound(mesh);
     if (mesh.triangles.size() > 0xffffffffu)
         throw Error(ErrorCode::unsupported, "format_stl_binary", "more than 2^32 - 1 triangles; write PLY instead");
     std::string out = "binary STL";

@@ -3,6 +3,7 @@
 #include <bit>
 #include <limits>
 
+#include "supple/io/number_text.h"
 #include "supple/io/polygon.h"
 
 namespace supple::io {
@@ -56,15 +57,19 @@ mesh::TriangleMesh SurfaceBuilder::finish(const TextScanner& scanner, std::int64
     return std::move(surface_);
 }
 
-void require_sound(const mesh::TriangleMesh& mesh) {
-    for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
-        if (!mesh.vertices[v].allFinite())
-            throw Error(ErrorCode::invalid_argument, "TriangleMesh.vertices[" + std::to_string(v) + "]", "the position is not finite");
-    for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
-        for (const std::int32_t v : mesh.triangles[t])
-            if (v < 0 || std::size_t(v) >= mesh.vertices.size())
-                throw Error(ErrorCode::invalid_argument, "TriangleMesh.triangles[" + std::to_string(t) + "]",
-                            "vertex " + std::to_string(v) + " is outside [0, " + std::to_string(mesh.vertices.size()) + ")");
+void append_lines(std::string& out, const mesh::TriangleMesh& mesh) {
+    for (const Vec3& x : mesh.vertices) {
+        append(out, x);
+        out += '\n';
+    }
+    for (const Triangle& t : mesh.triangles) {
+        out += '3';
+        for (const std::int32_t v : t) {
+            out += ' ';
+            append(out, v);
+        }
+        out += '\n';
+    }
 }
 
 }  // namespace supple::io

@@ -43,8 +43,7 @@ private:
     std::unordered_map<Vec3, std::int32_t, PositionHash, PositionEqual> welded_;
 };
 
-/// Refuses indices out of range and coordinates that are not finite, before anything is written.
-/// @error Error(invalid_argument)
-void require_sound(const mesh::TriangleMesh& mesh);
+/// A vertex a line, then a triangle a line as "3 a b c": the body of OFF and of ASCII PLY.
+void append_lines(std::string& out, const mesh::TriangleMesh& mesh);
 
 }  // namespace supple::io

@@ -41,4 +41,17 @@ void BoxTree::build(std::span<const Box> boxes, std::span<const Vec3> centres, s
     build(boxes, centres, first + half, count - half, leaf_size);
 }
 
+void BoxTree::refit(std::span<const Box> boxes) {
+    for (std::size_t i = nodes_.size(); i-- > 0;) {  // children come after their parent
+        Node& node = nodes_[i];
+        node.box = {};
+        if (node.leaf()) {
+            for (std::int32_t k = node.first; k < node.first + node.count; ++k) node.box.include(boxes[std::size_t(order_[std::size_t(k)])]);
+        } else {
+            node.box.include(nodes_[i + 1].box);
+            node.box.include(nodes_[std::size_t(node.right)].box);
+        }
+    }
+}
+
 }  // namespace supple

@@ -23,6 +23,11 @@ struct Box {
     Vec3 centre() const { return 0.5 * (min_m + max_m); }
     Vec3 size() const { return max_m - min_m; }
     bool contains(const Vec3& x) const { return (x.array() >= min_m.array()).all() && (x.array() <= max_m.array()).all(); }
+    bool overlaps(const Box& other) const { return (min_m.array() <= other.max_m.array()).all() && (other.min_m.array() <= max_m.array()).all(); }
+    void grow(double by) {
+        min_m.array() -= by;
+        max_m.array() += by;
+    }
     double squared_distance(const Vec3& x) const { return (min_m - x).cwiseMax(x - max_m).cwiseMax(0.0).squaredNorm(); }
 };
 
@@ -45,9 +50,24 @@ public:
     std::span<const Node> nodes() const { return nodes_; }
     std::span<const std::int32_t> order() const { return order_; }  ///< items leaf by leaf
 
+    /// Fits the nodes to boxes that have changed; the tree stays as it was halved.
+    void refit(std::span<const Box> boxes);
+
     /// Calls visit(item) for every item whose box holds x.
     template <class Visit>
     void at_point(std::span<const Box> boxes, const Vec3& x, Visit&& visit) const {
+        walk(boxes, [&](const Box& box) { return box.contains(x); }, visit);
+    }
+
+    /// Calls visit(item) for every item whose box overlaps `other`.
+    template <class Visit>
+    void overlapping(std::span<const Box> boxes, const Box& other, Visit&& visit) const {
+        walk(boxes, [&](const Box& box) { return box.overlaps(other); }, visit);
+    }
+
+private:
+    template <class Test, class Visit>
+    void walk(std::span<const Box> boxes, Test&& test, Visit&& visit) const {
         if (nodes_.empty()) return;
         std::int32_t stack[kMaxDepth];
         int top = 0;
@@ -55,10 +75,10 @@ public:
         while (top > 0) {
             const std::int32_t i = stack[--top];
             const Node& node = nodes_[std::size_t(i)];
-            if (!node.box.contains(x)) continue;
+            if (!test(node.box)) continue;
             if (node.leaf()) {
                 for (std::int32_t k = node.first; k < node.first + node.count; ++k)
-                    if (const std::int32_t item = order_[std::size_t(k)]; boxes[std::size_t(item)].contains(x)) visit(item);
+                    if (const std::int32_t item = order_[std::size_t(k)]; test(boxes[std::size_t(item)])) visit(item);
             } else {
                 stack[top++] = node.right;
                 stack[top++] = i + 1;
@@ -66,7 +86,6 @@ public:
         }
     }
 
-private:
     void build(std::span<const Box> boxes, std::span<const Vec3> centres, std::int32_t first, std::int32_t count, std::int32_t leaf_size);
 
     std::vector<Node> nodes_;

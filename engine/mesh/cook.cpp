@@ -18,6 +18,7 @@ constexpr double kCountTolerance = 0.05;
 constexpr double kLeastCageFill = 0.02; // what an empty tet of a cage weighs and resists
 constexpr double kBlock = 4;            // edges: places as large as this are asked for their sign at once
 constexpr int kFillDepth = 1;
+constexpr int kCountTries = 9;  // of lattices, before the nearest count is taken
 
 /// The parts of a mesh that share vertices: label per tet, volume per label.
 struct Parts {
@@ -164,8 +165,10 @@ double find_edge(Cook& cook, const SolidRegion& region, double volume_m3, const 
     };
     const double longest = 0.5 * region.box().size().maxCoeff();
     double edge = std::min(edge_for(std::max(wanted / 8, 8.0), 0), longest), best = edge, best_miss = 1e300;
-    for (int i = 0; i < 5; ++i) {
+    double too_short = 0, too_long = 1e300;  // edges that make too many and too few: a count that jumps is closed in upon
+    for (int i = 0; i < kCountTries; ++i) {
         const double n = double(cook.count(edge)), miss = std::abs(std::log(n / wanted));
+        (n > wanted ? too_short : too_long) = edge;
         if (miss < best_miss) {
             best_miss = miss;
             best = edge;
@@ -173,6 +176,7 @@ double find_edge(Cook& cook, const SolidRegion& region, double volume_m3, const 
         if (best_miss < kCountTolerance) break;
         const double b = (n - per_volume / (edge * edge * edge)) * edge * edge;
         edge = std::min(b > 0 || i == 0 ? edge_for(wanted, b) : edge * std::pow(n / wanted, 1.0 / 3), longest);
+        if (edge <= too_short || edge >= too_long || i > 3) edge = too_short > 0 && too_long < 1e300 ? std::sqrt(too_short * too_long) : edge;
     }
     return best;
 }

@@ -93,6 +93,16 @@ std::vector<T> eightfold(const std::vector<T>& values) {
     return out;
 }
 
+/// The corners in an even order in which the diagonal that cuts the octahedron, from the middle of 02 to that of 13, is the shortest of the three.
+Tet with_short_diagonal(const std::vector<Vec3>& x, const Tet& t) {
+    const std::array<Tet, 3> orders{t, Tet{t[0], t[3], t[1], t[2]}, Tet{t[0], t[2], t[3], t[1]}};
+    const auto length = [&](const Tet& o) {
+        const auto at = [&](std::size_t k) -> const Vec3& { return x[std::size_t(o[k])]; };
+        return (at(0) + at(2) - at(1) - at(3)).squaredNorm();
+    };
+    return *std::min_element(orders.begin(), orders.end(), [&](const Tet& a, const Tet& b) { return length(a) < length(b); });
+}
+
 VolumeMesh refine_once(const VolumeMesh& mesh) {
     Midpoints midpoints;
     for (const Tet& t : mesh.tets) for_tet_edges(t, [&](const Midpoints::Key& key) { midpoints.want(key); });
@@ -134,6 +144,9 @@ VolumeMesh refine_once(const VolumeMesh& mesh) {
 VolumeMesh refine(const VolumeMesh& mesh, int times) {
     require_in_range(times, 0, 10, "refine", "each time makes eight elements of one");
     VolumeMesh out = mesh;
+    // Only once: from then on Bey's numbering of the parts keeps their shapes.
+    if (times > 0)
+        for (Tet& t : out.tets) t = with_short_diagonal(out.vertices, t);
     for (int i = 0; i < times; ++i) {
         if (out.element_count() * 8 > kMostElements)
             throw Error(ErrorCode::invalid_argument, "refine",

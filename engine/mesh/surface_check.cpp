@@ -18,17 +18,6 @@ struct Edge {
     bool operator<(const Edge& o) const { return std::tie(low, high, triangle) < std::tie(o.low, o.high, o.triangle); }
 };
 
-void require_sound(const TriangleMesh& mesh) {
-    for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
-        if (!mesh.vertices[v].allFinite())
-            throw Error(ErrorCode::invalid_argument, "TriangleMesh.vertices[" + std::to_string(v) + "]", "the position is not finite");
-    for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
-        for (const std::int32_t v : mesh.triangles[t])
-            if (v < 0 || std::size_t(v) >= mesh.vertices.size())
-                throw Error(ErrorCode::invalid_argument, "TriangleMesh.triangles[" + std::to_string(t) + "]",
-                            "vertex " + std::to_string(v) + " is outside [0, " + std::to_string(mesh.vertices.size()) + ")");
-}
-
 void count_triangles(const TriangleMesh& mesh, SurfaceReport& report) {
     std::vector<Triangle> sorted;
     std::vector<char> used(mesh.vertices.size(), 0);
@@ -102,6 +91,17 @@ void count_edges(const TriangleMesh& mesh, SurfaceReport& report) {
 std::string counted(std::size_t n, const char* one, const char* many) { return std::to_string(n) + " " + (n == 1 ? one : many); }
 
 }  // namespace
+
+void require_sound(const TriangleMesh& mesh) {
+    for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
+        if (!mesh.vertices[v].allFinite())
+            throw Error(ErrorCode::invalid_argument, "TriangleMesh.vertices[" + std::to_string(v) + "]", "the position is not finite");
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+        for (const std::int32_t v : mesh.triangles[t])
+            if (v < 0 || std::size_t(v) >= mesh.vertices.size())
+                throw Error(ErrorCode::invalid_argument, "TriangleMesh.triangles[" + std::to_string(t) + "]",
+                            "vertex " + std::to_string(v) + " is outside [0, " + std::to_string(mesh.vertices.size()) + ")");
+}
 
 SurfaceReport check_surface(const TriangleMesh& mesh) {
     require_sound(mesh);

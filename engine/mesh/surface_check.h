@@ -27,6 +27,9 @@ struct SurfaceReport {
     std::vector<std::string> sentences() const;
 };
 
+/// Refuses indices out of range and coordinates that are not finite. @error Error(invalid_argument)
+void require_sound(const TriangleMesh& mesh);
+
 /// Degenerate triangles count as such and for their edges. O(n log n).
 /// @error Error(invalid_argument) where an index is out of range, or a coordinate is not finite
 SurfaceReport check_surface(const TriangleMesh& mesh);

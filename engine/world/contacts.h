@@ -3,7 +3,7 @@
 #include <memory>
 #include <vector>
 
-#include "supple/contact/triangle_tree.h"
+#include "supple/contact/moving_triangles.h"
 #include "supple/math/types.h"
 #include "supple/solve/preconditioner.h"
 #include "supple/world/attachment.h"
@@ -65,7 +65,7 @@ struct Contact {
 /// What contact needs of a body's surface. Made with the first collider.
 struct ContactSurface {
     explicit ContactSurface(const TemplateData& data);
-    contact::TriangleTree tree;
+    contact::MovingTriangles tree;
     std::vector<std::int32_t> triangle;  ///< [vertex] a boundary triangle at it; -1 inside
     std::vector<double> edge_m;          ///< [vertex] mean length of its boundary edges
     double mean_edge_m = 0, longest_edge_m = 0;

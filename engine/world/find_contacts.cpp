@@ -48,7 +48,7 @@ struct Meeting {
 
 Bounds world_bounds(const Collider& collider) {
     const Bounds local = contact::bounds(collider.def.shape);
-    Bounds box = Bounds::nothing();
+    Bounds box;
     for (int i = 0; i < 8; ++i) {
         const Vec3 corner((i & 1 ? local.max_m : local.min_m).x(), (i & 2 ? local.max_m : local.min_m).y(), (i & 4 ? local.max_m : local.min_m).z());
         box.include(collider.to_world0(corner));
@@ -320,7 +320,7 @@ void find_touching(StepContext& ctx, Body& body) {
     World::Impl& world = ctx.world;
     ContactSurface& surface = *body.contacts.surface;
     const Workspace& w = body.work;
-    Bounds box = Bounds::nothing();
+    Bounds box;
     for (const std::int32_t v : body.data().boundary_vertices) {
         const auto i = std::size_t(v);
         surface.end[i] = w.base_x[i] + w.h * (w.v0[i] + w.dv[i]);

@@ -44,8 +44,7 @@ void check(const WorldDef& def) {
 }
 
 /// Of the first nearly incompressible material of a body.
-/// What the body's materials will not do as their names promise, a sentence each.
-void warn_of_materials(const WorldDef& world, const Body& body) {
+void warn_of_locking(const WorldDef& world, const Body& body) {
     if (!world.log) return;
     const VolumeMesh& mesh = body.data().mesh;
     const std::vector<Material>& materials = body.materials.materials;
@@ -98,7 +97,7 @@ BodyId World::add_body(const BodyDef& def) {
     if (w.def.log) {
         for (const std::string& sentence : body->data().report.sentences()) w.def.log(LogLevel::warning, body->name + ": " + sentence);
     }
-    warn_of_materials(w.def, *body);
+    warn_of_locking(w.def, *body);
     if (!w.crew && w.threads > 1 && body->element_count() >= kMinElementsForThreads) w.crew = std::make_unique<Team>(w.threads);
     if (slot == w.slots.size()) w.slots.emplace_back();
     if (w.living_colliders > 0) body->need_contact_surface();
@@ -176,7 +175,7 @@ void World::set_material(BodyId id, const Material& material) {
     def.young_pa_per_element.clear();
     def.poisson_per_element.clear();
     apply_materials(body, def, impl_->def, impl_->isa);
-    warn_of_materials(impl_->def, body);
+    warn_of_locking(impl_->def, body);
 }
 
 void World::set_regions(BodyId id, std::vector<MaterialRegion> regions) {
@@ -184,7 +183,7 @@ void World::set_regions(BodyId id, std::vector<MaterialRegion> regions) {
     BodyDef def = body.def;
     def.regions = std::move(regions);
     apply_materials(body, def, impl_->def, impl_->isa);
-    warn_of_materials(impl_->def, body);
+    warn_of_locking(impl_->def, body);
 }
 
 void World::set_stiffness_factor(BodyId id, std::span<const double> per_element) {

@@ -18,7 +18,7 @@ if ! "$clang" -fsanitize=fuzzer,address,undefined build/fuzz/probe.cpp -o build/
 fi
 ln -sfn "$(pwd)/engine" build/fuzz/include/supple
 sources="engine/base/error.cpp engine/mesh/volume_mesh.cpp engine/mesh/topology.cpp engine/mesh/surface.cpp
-    engine/mesh/skin.cpp engine/mesh/embedding.cpp engine/mesh/triangle_tree.cpp engine/mesh/box_tree.cpp"
+    engine/mesh/skin.cpp engine/mesh/embedding.cpp engine/mesh/triangle_tree.cpp engine/mesh/box_tree.cpp engine/mesh/surface_check.cpp"
 for name in $(ls engine/io/*.cpp); do
     case $name in
         */json_node.cpp | */material_keys.cpp | */matrix_market.cpp | */probe_table.cpp | */report.cpp | */scene*.cpp | */result_*.cpp | */text_files.cpp | */mesh_units.cpp) ;;
