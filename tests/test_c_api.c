@@ -135,6 +135,42 @@ static void test_advance(const SuppleBodyDef* bar) {
     supple_world_destroy(world);
 }
 
+/* Two bars, one above the other: they touch, unless they are told not to; glued, the lower hangs from the upper. */
+static void test_bodies_touch(const SuppleBodyDef* bar) {
+    SuppleWorldDef world_def;
+    SuppleWorld* world = NULL;
+    SuppleBodyDef def = *bar;
+    SuppleBodyId low, high;
+    SuppleContact contacts[256];
+    size_t count = 0, tied = 0;
+    int n;
+    CHECK(def.touches_bodies == 1 && def.touches_itself == 0 && def.friction == 0.3);
+    CHECK(supple_world_def_default(&world_def, sizeof world_def) == SUPPLE_OK);
+    world_def.threads = 1;
+    CHECK(supple_world_create(&world_def, &world) == SUPPLE_OK);
+    CHECK(supple_world_add_body(world, &def, &low) == SUPPLE_OK);
+    def.translation_m[1] += 0.1001;
+    CHECK(supple_world_add_body(world, &def, &high) == SUPPLE_OK);
+    {
+        const double min[3] = {-1, -1, -1}, max[3] = {1, 0.001, 1};
+        CHECK(supple_world_fix_box(world, low, min, max, NULL) == SUPPLE_OK);
+    }
+    for (n = 0; n < 20; ++n) CHECK(supple_world_step(world, NULL) == SUPPLE_OK);
+    CHECK(supple_world_contact_count(world, &count) == SUPPLE_OK && count > 0 && count <= 256);
+    CHECK(supple_world_contacts(world, contacts, 256) == SUPPLE_OK);
+    CHECK(contacts[0].collider.generation == 0 && contacts[0].other.generation != 0 && contacts[0].other_triangle >= 0);
+    CHECK(supple_world_set_contact(world, low, high, 2) == SUPPLE_INVALID_ARGUMENT);
+    CHECK(supple_world_set_contact(world, low, high, 0) == SUPPLE_OK);
+    CHECK(supple_world_step(world, NULL) == SUPPLE_OK);
+    CHECK(supple_world_contact_count(world, &count) == SUPPLE_OK && count == 0);
+    CHECK(supple_world_tie(world, high, low, -1, 0, 0, &tied) == SUPPLE_INVALID_ARGUMENT);
+    CHECK(supple_world_tie(world, high, low, 0.01, 0, 0, &tied) == SUPPLE_OK && tied > 10);
+    CHECK(supple_world_step(world, NULL) == SUPPLE_OK);
+    def.touches_itself = 3;
+    CHECK(supple_world_add_body(world, &def, &high) == SUPPLE_INVALID_ARGUMENT);
+    supple_world_destroy(world);
+}
+
 /* A bar falls on a plane; a ball is pressed on it. */
 static void test_contact(const SuppleBodyDef* bar) {
     SuppleWorldDef world_def;
@@ -276,6 +312,7 @@ int main(void) {
     test_fall(&bar);
     test_hang(&bar);
     test_advance(&bar);
+    test_bodies_touch(&bar);
     test_contact(&bar);
     test_errors(&bar);
     test_versions();

@@ -1,6 +1,7 @@
 // Preconditioned conjugate gradients inside iterative refinement, against a sparse direct solver.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <Eigen/Sparse>
 #include <Eigen/SparseCholesky>
 
@@ -84,8 +85,9 @@ struct Problem {
         preconditioner.update(team, A, appended);
         x.resize(b.size(), Vec3::Zero());
         std::vector<Vec3> r(b.size());
+        const solve::SystemPart<Real> part{&A, &preconditioner};
         return solver.solve(
-            team, A, appended, preconditioner, b, guesses, def,
+            team, {&part, 1}, appended, b, guesses, def,
             [&](const Vec3* at, Vec3* out) {
                 const Eigen::Map<const Eigen::VectorXd> v(at->data(), matrix.rows());
                 Eigen::Map<Eigen::VectorXd>(out->data(), matrix.rows()) = flat(b) - matrix * v;
@@ -239,8 +241,9 @@ TEST(SolveLinear, WhatXHoldsOnEntryIsKept) {
     LinearSolver<double> solver(problem.pattern.rows, best_isa());
     solve::BlockJacobi<double> preconditioner(problem.pattern.rows, best_isa());
     preconditioner.update(problem.team, problem.A, {});
+    const solve::SystemPart<double> part{&problem.A, &preconditioner};
     const auto result = solver.solve(
-        problem.team, problem.A, {}, preconditioner, problem.b, {}, {.target = 1e-11 * problem.norm_b()},
+        problem.team, {&part, 1}, {}, problem.b, {}, {.target = 1e-11 * problem.norm_b()},
         [&](const Vec3* at, Vec3* out) {
             Eigen::VectorXd v = Eigen::Map<const Eigen::VectorXd>(at->data(), matrix.rows()) - Problem<double>::flat(before);
             Eigen::Map<Eigen::VectorXd>(out->data(), matrix.rows()) = Problem<double>::flat(problem.b) - matrix * v;
@@ -281,7 +284,7 @@ TEST(SolveAppended, ProductEqualsTheDenseOne) {
     AlignedVector<double> x(problem.b.size() * 4, 0), y(x.size());
     for (std::size_t i = 0; i < problem.b.size(); ++i)
         for (std::size_t c = 0; c < 3; ++c) x[4 * i + c] = problem.b[i][Eigen::Index(c)];
-    const double dot = solver.multiply(problem.team, problem.A, rows, x.data(), y.data());
+    const double dot = solver.multiply(problem.team, std::array{solve::SystemPart<double>{&problem.A}}, rows, x.data(), y.data());
     const Eigen::VectorXd expected = full * problem.flat(problem.b);
     for (std::size_t i = 0; i < problem.b.size(); ++i)
         for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(y[4 * i + c], expected[Eigen::Index(3 * i + c)], 1e-11);
@@ -307,6 +310,45 @@ void check_appended_solve(double tolerance, double difference) {
 TEST(SolveAppended, SolutionEqualsTheDenseOneInDouble) { check_appended_solve<double>(1e-12, 1e-9); }
 TEST(SolveAppended, SolutionEqualsTheDenseOneInSingle) { check_appended_solve<float>(1e-8, 1e-5); }
 
+/// Two matrices along the diagonal, tied together by rows that name both: the solution of the whole.
+TEST(SolveParts, TwoMatricesAndWhatTiesThem) {
+    Problem<double> one(50, 4), two(400, 5);
+    const std::size_t n1 = one.pattern.rows, n = n1 + two.pattern.rows;
+    const std::vector<std::int32_t> across{std::int32_t(n1) - 1, std::int32_t(n1) + 7}, within{std::int32_t(n1) + 3};
+    const std::vector<Vec3> weights{Vec3::Ones(), -Vec3::Ones()}, single{Vec3(1, 0, 1)};
+    const std::vector<AppendedRow> rows{{across, weights, 70 * Mat3::Identity()}, {within, single, 5 * Mat3::Identity()}};
+    Sparse both(Eigen::Index(3 * n), Eigen::Index(3 * n));
+    std::vector<Eigen::Triplet<double>> entries;
+    for (const auto& [problem, first] : {std::pair{&one, Eigen::Index(0)}, std::pair{&two, Eigen::Index(3 * n1)}}) {
+        for (Eigen::Index k = 0; k < problem->matrix.outerSize(); ++k)
+            for (Sparse::InnerIterator it(problem->matrix, k); it; ++it) entries.emplace_back(first + it.row(), first + it.col(), it.value());
+    }
+    both.setFromTriplets(entries.begin(), entries.end());
+    both = with_couplings(both, rows);
+    std::vector<Vec3> b = one.b;
+    b.insert(b.end(), two.b.begin(), two.b.end());
+    const Eigen::VectorXd rhs = Eigen::Map<const Eigen::VectorXd>(b.data()->data(), Eigen::Index(3 * n));
+    solve::BlockJacobi<double> first(n1, best_isa()), second(two.pattern.rows, best_isa());
+    first.update(one.team, one.A, {});
+    second.update(one.team, two.A, {});
+    const solve::SystemPart<double> parts[] = {{&one.A, &first, nullptr, 0}, {&two.A, &second, nullptr, n1}};
+    LinearSolver<double> solver(3, best_isa());
+    solver.resize(n);
+    std::vector<Vec3> x(n, Vec3::Zero()), r(n);
+    const std::vector<Vec3> guess(n, Vec3(0.1, 0.2, 0.3)), older(n, Vec3(0.3, 0.2, 0.1));
+    const std::span<const Vec3> guesses[] = {guess, older};
+    const auto result = solver.solve(
+        one.team, parts, rows, b, guesses, {.target = 1e-12 * rhs.norm()},
+        [&](const Vec3* at, Vec3* out) {
+            const Eigen::Map<const Eigen::VectorXd> v(at->data(), both.rows());
+            Eigen::Map<Eigen::VectorXd>(out->data(), both.rows()) = rhs - both * v;
+        },
+        x, r);
+    EXPECT_TRUE(result.converged);
+    const Eigen::VectorXd direct = Eigen::SimplicialLDLT<Sparse>(both).solve(rhs);
+    for (std::size_t i = 0; i < n; ++i) EXPECT_LT((x[i] - direct.segment<3>(Eigen::Index(3 * i))).norm(), 1e-9 * direct.norm());
+}
+
 TEST(SolveDeterminism, SumsAndSolutionsDoNotDependOnTheTeam) {
     Problem<float> problem(1e3, 12);
     ASSERT_GT(problem.pattern.rows, 3 * solve::kRowChunk);
@@ -316,8 +358,9 @@ TEST(SolveDeterminism, SumsAndSolutionsDoNotDependOnTheTeam) {
             LinearSolver<float> solver(problem.pattern.rows, best_isa());
             solve::BlockJacobi<float> preconditioner(problem.pattern.rows, best_isa());
             preconditioner.update(team, problem.A, {});
+            const solve::SystemPart<float> part{&problem.A, &preconditioner};
             solver.solve(
-                team, problem.A, {}, preconditioner, problem.b, {}, {.target = 1e-6 * problem.norm_b()},
+                team, {&part, 1}, {}, problem.b, {}, {.target = 1e-6 * problem.norm_b()},
                 [&](const Vec3* at, Vec3* out) {
                     const Eigen::Map<const Eigen::VectorXd> v(at->data(), problem.matrix.rows());
                     Eigen::Map<Eigen::VectorXd>(out->data(), problem.matrix.rows()) = Problem<float>::flat(problem.b) - problem.matrix * v;

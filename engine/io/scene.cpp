@@ -18,7 +18,7 @@ void require_keys(const JsonNode& node, std::vector<std::string_view> known, std
 Scene parse_scene(const std::string& text, const std::filesystem::path& folder, const std::string& name, int refine) {
     const nlohmann::json document = parse_json(text, name);
     const JsonNode root(document, name);
-    root.require_object({"supple_scene", "time_step_s", "gravity_m_s2", "threads", "solver", "bodies", "colliders", "camera"});
+    root.require_object({"supple_scene", "time_step_s", "gravity_m_s2", "threads", "solver", "bodies", "colliders", "contacts", "ties", "camera"});
     const JsonNode version = root.at("supple_scene", "a scene file begins with \"supple_scene\": 1");
     if (version.number() != 1)
         version.unsupported("version " + version.shown() + " of the scene format is not read; this build reads version 1");
@@ -37,6 +37,7 @@ Scene parse_scene(const std::string& text, const std::filesystem::path& folder, 
     if (root.has("colliders")) {
         for (const JsonNode& collider : root.at("colliders").items()) scene.colliders.push_back(read_collider(collider, context));
     }
+    read_pairs(root, scene);
     return scene;
 }
 
@@ -46,13 +47,22 @@ World build_world(const Scene& scene, const LogSink& log) {
     WorldDef def = scene.world;
     if (log) def.log = log;
     World world(def);
+    std::vector<BodyId> ids;
     for (const SceneBody& body : scene.bodies) {
         const BodyId id = world.add_body(body.def);
+        ids.push_back(id);
         for (const SceneBody::Support& support : body.fixed) world.fix(id, support.where, support.axes);
         for (const Motion& motion : body.prescribed) world.prescribe(id, motion);
         for (const Load& load : body.loads) world.add_load(id, load);
     }
     for (const ColliderDef& collider : scene.colliders) world.add_collider(collider);
+    for (const ScenePair& pair : scene.contacts) world.set_contact(ids[pair.a], ids[pair.b], pair.on);
+    for (const SceneTie& tie : scene.ties) {
+        if (world.tie(ids[tie.body], ids[tie.other], tie.gap_m, tie.def).empty()) {
+            throw Error(ErrorCode::invalid_argument, "ties", "no vertex of \"" + world.name(ids[tie.body]) + "\" is within " + to_text(tie.gap_m) + " m of \"" +
+                                                                 world.name(ids[tie.other]) + "\"; enlarge gap_m or move them together");
+        }
+    }
     return world;
 }
 

@@ -26,10 +26,25 @@ struct SceneBody {
     std::vector<ProbeDef> probes;
 };
 
+/// Contact of two bodies by their places in Scene::bodies, or of one with itself.
+struct ScenePair {
+    std::size_t a = 0, b = 0;
+    bool on = true;
+};
+
+/// Surfaces that World::tie() glues.
+struct SceneTie {
+    std::size_t body = 0, other = 0;
+    double gap_m = 0;
+    AttachmentDef def;
+};
+
 /// A scene file, read and validated.
 struct Scene {
     WorldDef world;
     std::vector<SceneBody> bodies;
+    std::vector<ScenePair> contacts;
+    std::vector<SceneTie> ties;
     std::vector<ColliderDef> colliders;
     std::optional<SceneCamera> camera;
 };
@@ -45,7 +60,9 @@ struct Scene {
 ///             box {half_extents_m or min_m, max_m}, mesh {file, scale, cells}; name, position_m, rotation_wxyz, friction; fixed, or
 ///             motion {times_s, positions_m, rotations_wxyz}: follows them; mass_kg, velocity_m_s, spin_rad_s: moved by what it touches and by gravity;
 ///             mass_kg and tool {stiffness_n_m, damping_n_s_m, max_force_n, torsion_nm_rad, max_torque_nm}: drawn along `motion`}]
-///   bodies   [{name, mesh: "file" or box: {min_m, max_m, cells: [nx, ny, nz], elements: "tets"}, scale, units, up, refine, skin: "surface file", translation_m, velocity_m_s,
+///   contacts [{bodies: [name, name], on}]: of these two, or of one with itself, whatever the bodies say
+///   ties     [{bodies: [name, name], gap_m, stiffness_n_m, max_force_n}]: glues the surface of the first to that of the second where they are so near
+///   bodies   [{touches_bodies, touches_itself, friction: contact with soft bodies; name, mesh: "file" or box: {min_m, max_m, cells: [nx, ny, nz], elements: "tets"}, scale, units, up, refine, skin: "surface file", translation_m, velocity_m_s,
 ///   density_kg_m3,
 ///             material {law, rotation, young_pa, poisson}, or of a hyperelastic law {law, its parameters, fibre, sheet, fibre_stiffness_pa,
 ///             fibre_exponent, sheet_stiffness_pa, sheet_exponent, matrix_regularization},

@@ -99,7 +99,7 @@ InsideBox read_box(const JsonNode& node, bool may_be_flat) {
 
 SceneBody read_body(const JsonNode& node, SceneContext& context) {
     node.require_object({"name", "mesh", "box", "scale", "units", "up", "translation_m", "velocity_m_s", "density_kg_m3", "material", "skin", "refine", "regions", "fixed",
-                         "prescribed", "loads", "probes"});
+                         "prescribed", "loads", "probes", "touches_bodies", "touches_itself", "friction"});
     SceneBody body;
     BodyDef& def = body.def;
     if (node.has("name")) def.name = node.at("name").text();
@@ -109,6 +109,9 @@ SceneBody read_body(const JsonNode& node, SceneContext& context) {
     if (node.has("translation_m")) def.translation_m = node.at("translation_m").vec3(1e9);
     if (node.has("velocity_m_s")) def.velocity_m_s = node.at("velocity_m_s").vec3(1e9);
     if (node.has("density_kg_m3")) def.density_kg_m3 = node.at("density_kg_m3").number_above(0, 1e9);
+    if (node.has("touches_bodies")) def.touches_bodies = node.at("touches_bodies").boolean();
+    if (node.has("touches_itself")) def.touches_itself = node.at("touches_itself").boolean();
+    if (node.has("friction")) def.friction = node.at("friction").number(0, 10);
     read_materials(node, def);
     read_supports_and_loads(node, body);
     read_probes(node, body);

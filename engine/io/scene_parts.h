@@ -28,6 +28,8 @@ SolverDef read_solver(const JsonNode& node);
 SceneCamera read_camera(const JsonNode& node);
 SceneBody read_body(const JsonNode& node, SceneContext& context);
 ColliderDef read_collider(const JsonNode& node, SceneContext& context);
+/// contacts and ties: what is said of two bodies.
+void read_pairs(const JsonNode& root, Scene& scene);
 
 /// A box given by corners: min_m below max_m in every coordinate (or equal, where `may_be_flat`).
 InsideBox read_box(const JsonNode& node, bool may_be_flat);

@@ -58,10 +58,23 @@ double subtract_eliminated(std::span<const EliminatedBody> eliminated, const Rea
 }  // namespace
 
 template <class Real>
-double LinearSolver<Real>::add_beside(Team& team, std::span<const AppendedRow> appended, const Real* x, Real* y) {
+double LinearSolver<Real>::add_beside(Team& team, std::span<const SystemPart<Real>> parts, std::span<const AppendedRow> appended, const Real* x, Real* y) {
     double sum = add_appended(appended, x, y);
     if (!eliminated_.empty()) sum += subtract_eliminated(eliminated_, x, y);
-    if (coupling_ != nullptr) sum += coupling_->multiply_add(team, x, y);
+    for (const SystemPart<Real>& part : parts) {
+        if (part.coupling != nullptr) sum += part.coupling->multiply_add(team, x + 4 * part.first_row, y + 4 * part.first_row);
+    }
+    return sum;
+}
+
+template <class Real>
+double LinearSolver<Real>::precondition(Team& team, std::span<const SystemPart<Real>> parts, const Real* r, Real* z) {
+    double sum = 0;
+    for (const SystemPart<Real>& part : parts) {
+        const double rz = part.preconditioner->apply(team, r + 4 * part.first_row, z + 4 * part.first_row);
+        if (!(rz >= 0)) return rz;
+        sum += rz;
+    }
     return sum;
 }
 
@@ -75,6 +88,13 @@ LinearSolver<Real>::LinearSolver(std::size_t rows, Isa isa)
       q_(rows * 4),
       z_(rows * 4),
       partial_(row_chunks(rows)) {}
+
+template <class Real>
+void LinearSolver<Real>::resize(std::size_t rows) {
+    rows_ = rows;
+    for (AlignedVector<Real>* v : {&d_, &r_, &p_, &q_, &z_}) v->resize(rows * 4);
+    partial_.resize(row_chunks(rows));
+}
 
 template <class Real>
 void LinearSolver<Real>::import(Team& team, std::span<const Vec3> from, Real* to) const {
@@ -98,17 +118,21 @@ double LinearSolver<Real>::square(Team& team, const Real* v) {
 }
 
 template <class Real>
-double LinearSolver<Real>::multiply(Team& team, const Bsr3<Real>& A, std::span<const AppendedRow> appended, const Real* x, Real* y) {
-    const Bsr3Pattern& p = *A.pattern;
-    const double dot = sum_over_rows(team, rows_, partial_, [&](std::size_t begin, std::size_t end) {
-        return kernels_.multiply(p.row_start.data(), p.column.data(), A.value.data(), x, y, begin, end);
-    });
-    return dot + add_beside(team, appended, x, y);
+double LinearSolver<Real>::multiply(Team& team, std::span<const SystemPart<Real>> parts, std::span<const AppendedRow> appended, const Real* x, Real* y) {
+    double dot = 0;
+    for (const SystemPart<Real>& part : parts) {
+        const Bsr3Pattern& p = *part.A->pattern;
+        const std::size_t first = 4 * part.first_row;
+        dot += sum_over_rows(team, p.rows, partial_, [&](std::size_t begin, std::size_t end) {
+            return kernels_.multiply(p.row_start.data(), p.column.data(), part.A->value.data(), x + first, y + first, begin, end);
+        });
+    }
+    return dot + add_beside(team, parts, appended, x, y);
 }
 
 /// Leaves in r_ the residual of the best start and adds that start to x. On entry r_ = b.
 template <class Real>
-void LinearSolver<Real>::warm_start(Team& team, const Bsr3<Real>& A, std::span<const AppendedRow> appended,
+void LinearSolver<Real>::warm_start(Team& team, std::span<const SystemPart<Real>> parts, std::span<const AppendedRow> appended,
                                     std::span<const std::span<const Vec3>> guesses, std::span<Vec3> x) {
     if (guesses.empty()) return;
     // p_ = A g0, q_ = A g1: the residuals of 0, g0 and 2 g0 - g1 are r, r - p and r - 2p + q.
@@ -116,14 +140,17 @@ void LinearSolver<Real>::warm_start(Team& team, const Bsr3<Real>& A, std::span<c
     import(team, guesses[0], d_.data());
     if (two) {
         import(team, guesses[1], z_.data());
-        const Bsr3Pattern& p = *A.pattern;
-        team.for_range(rows_, kRowChunk, [&](std::size_t begin, std::size_t end) {
-            kernels_.multiply_two(p.row_start.data(), p.column.data(), A.value.data(), d_.data(), z_.data(), p_.data(), q_.data(), begin, end);
-        });
-        add_beside(team, appended, z_.data(), q_.data());
-        add_beside(team, appended, d_.data(), p_.data());
+        for (const SystemPart<Real>& part : parts) {
+            const Bsr3Pattern& p = *part.A->pattern;
+            const std::size_t first = 4 * part.first_row;
+            team.for_range(p.rows, kRowChunk, [&](std::size_t begin, std::size_t end) {
+                kernels_.multiply_two(p.row_start.data(), p.column.data(), part.A->value.data(), d_.data() + first, z_.data() + first, p_.data() + first, q_.data() + first, begin, end);
+            });
+        }
+        add_beside(team, parts, appended, z_.data(), q_.data());
+        add_beside(team, parts, appended, d_.data(), p_.data());
     } else {
-        multiply(team, A, appended, d_.data(), p_.data());
+        multiply(team, parts, appended, d_.data(), p_.data());
     }
     const double zero = square(team, r_.data());
     auto residual_square = [&](Real a, Real b) {
@@ -156,9 +183,8 @@ void LinearSolver<Real>::warm_start(Team& team, const Bsr3<Real>& A, std::span<c
 
 /// A d = r from d = 0 until the recurrence has |r| <= target; d_ and r_ hold the result.
 template <class Real>
-void LinearSolver<Real>::conjugate_gradients(Team& team, const Bsr3<Real>& A, std::span<const AppendedRow> appended,
-                                             Preconditioner<Real>& preconditioner, double target, const LinearSolveDef& def,
-                                             LinearSolveResult& result) {
+void LinearSolver<Real>::conjugate_gradients(Team& team, std::span<const SystemPart<Real>> parts, std::span<const AppendedRow> appended,
+                                             double target, const LinearSolveDef& def, LinearSolveResult& result) {
     team.for_range(rows_, kRowChunk, [&](std::size_t begin, std::size_t end) {
         std::fill(d_.begin() + std::ptrdiff_t(begin * 4), d_.begin() + std::ptrdiff_t(end * 4), Real(0));
     });
@@ -168,7 +194,7 @@ void LinearSolver<Real>::conjugate_gradients(Team& team, const Bsr3<Real>& A, st
             result.out_of_time = true;
             return;
         }
-        const double rz_new = preconditioner.apply(team, r_.data(), z_.data());
+        const double rz_new = precondition(team, parts, r_.data(), z_.data());
         if (!(rz_new > 0)) {  // zero residual, not a number, or a preconditioner that has lost its way
             result.breakdown = rz_new < 0;
             return;
@@ -182,7 +208,7 @@ void LinearSolver<Real>::conjugate_gradients(Team& team, const Bsr3<Real>& A, st
                 kernels_.turn(beta, z_.data(), p_.data(), begin, end);
             }
         });
-        const double curvature = multiply(team, A, appended, p_.data(), q_.data());
+        const double curvature = multiply(team, parts, appended, p_.data(), q_.data());
         result.indefinite = def.only_definite && curvature < 0;
         if (!(curvature > 0)) return;  // p = 0 in this precision, or not a number
         const Real alpha = Real(rz / curvature);
@@ -195,16 +221,16 @@ void LinearSolver<Real>::conjugate_gradients(Team& team, const Bsr3<Real>& A, st
 }
 
 template <class Real>
-LinearSolveResult LinearSolver<Real>::solve(Team& team, const Bsr3<Real>& A, std::span<const AppendedRow> appended,
-                                            Preconditioner<Real>& preconditioner, std::span<const Vec3> b,
-                                            std::span<const std::span<const Vec3>> guesses, const LinearSolveDef& def,
+LinearSolveResult LinearSolver<Real>::solve(Team& team, std::span<const SystemPart<Real>> parts, std::span<const AppendedRow> appended,
+                                            std::span<const Vec3> b, std::span<const std::span<const Vec3>> guesses, const LinearSolveDef& def,
                                             FunctionRef<void(const Vec3* x, Vec3* r)> true_residual, std::span<Vec3> x,
                                             std::span<Vec3> residual) {
     LinearSolveResult result;
-    result.indefinite = def.only_definite && !preconditioner.is_definite();
+    const bool definite = std::all_of(parts.begin(), parts.end(), [](const SystemPart<Real>& part) { return part.preconditioner->is_definite(); });
+    result.indefinite = def.only_definite && !definite;
     if (result.indefinite) return result;
     import(team, b, r_.data());
-    warm_start(team, A, appended, guesses, x);
+    warm_start(team, parts, appended, guesses, x);
     double recurrence = std::sqrt(square(team, r_.data()));
     result.start_residual = recurrence;
     double last_true = HUGE_VAL;
@@ -212,7 +238,7 @@ LinearSolveResult LinearSolver<Real>::solve(Team& team, const Bsr3<Real>& A, std
         if (recurrence > def.target && result.iterations < def.max_iterations) {
             // A little below the target: the pass is worth nothing if rounding leaves it a hair above.
             const double goal = std::max(0.9 * def.target, kPassGain<Real> * recurrence);
-            conjugate_gradients(team, A, appended, preconditioner, goal, def, result);
+            conjugate_gradients(team, parts, appended, goal, def, result);
             // A preconditioner made of the matrix itself fails with it.
             result.indefinite = result.indefinite || (def.only_definite && result.breakdown);
             if (result.indefinite) return result;

@@ -25,7 +25,17 @@ struct LinearSolveResult {
     bool out_of_time = false;      ///< the deadline passed first
 };
 
-/// Solves A x = b for a symmetric positive definite A by preconditioned conjugate gradients inside iterative refinement.
+/// One of the matrices along the diagonal of a system, over rows [first_row, first_row + its rows): a body among those that are solved together.
+template <class Real>
+struct SystemPart {
+    const Bsr3<Real>* A = nullptr;
+    Preconditioner<Real>* preconditioner = nullptr;  ///< of this part; up to date
+    Coupling<Real>* coupling = nullptr;              ///< beside the matrix, or null
+    std::size_t first_row = 0;
+};
+
+/// Solves A x = b for a symmetric positive definite A by preconditioned conjugate gradients inside iterative refinement. A is one matrix, or several along the
+/// diagonal; appended rows and eliminated bodies tie what they name together, wherever it lies.
 ///
 /// The matrix, its vectors and the recurrence are Real (float32 or float64); x, b and the residual that decides are float64 and
 /// the residual is evaluated by the caller's own operator, so it does not share the rounding of the matrix. Each pass solves A d = r to what is
@@ -35,35 +45,37 @@ class LinearSolver {
 public:
     LinearSolver(std::size_t rows, Isa isa);
 
-    /// @param A             matrix of the current step; held rows and columns are identity
+    /// For another number of rows. Allocates only to grow.
+    void resize(std::size_t rows);
+
+    /// @param parts         cover all rows, in their order; held rows and columns are identity
     /// @param b             [row] right-hand side, zero on held rows
     /// @param guesses       up to two earlier solutions, newest first (zero on held rows): the start is the best of 0, g0 and 2 g0 - g1
     /// @param x             out; what it holds on entry is added to the solution (held rows: their prescribed values)
     /// @param true_residual writes b - A x in float64 into its second argument; must be zero on held rows
-    LinearSolveResult solve(Team& team, const Bsr3<Real>& A, std::span<const AppendedRow> appended, Preconditioner<Real>& preconditioner,
+    LinearSolveResult solve(Team& team, std::span<const SystemPart<Real>> parts, std::span<const AppendedRow> appended,
                             std::span<const Vec3> b, std::span<const std::span<const Vec3>> guesses, const LinearSolveDef& def,
                             FunctionRef<void(const Vec3* x, Vec3* r)> true_residual, std::span<Vec3> x, std::span<Vec3> residual);
 
-    /// Adds an operator to the matrix of the solves to come; null: none.
-    void set_coupling(Coupling<Real>* coupling) { coupling_ = coupling; }
     /// Eliminated bodies of the solves to come; they stay with the caller.
     void set_eliminated(std::span<const EliminatedBody> eliminated) { eliminated_ = eliminated; }
 
     /// y = (A + appended + coupling) x; returns x . y.  [row][x y z 0]
-    double multiply(Team& team, const Bsr3<Real>& A, std::span<const AppendedRow> appended, const Real* x, Real* y);
+    double multiply(Team& team, std::span<const SystemPart<Real>> parts, std::span<const AppendedRow> appended, const Real* x, Real* y);
 
 private:
-    void warm_start(Team& team, const Bsr3<Real>& A, std::span<const AppendedRow> appended,
+    void warm_start(Team& team, std::span<const SystemPart<Real>> parts, std::span<const AppendedRow> appended,
                     std::span<const std::span<const Vec3>> guesses, std::span<Vec3> x);
-    void conjugate_gradients(Team& team, const Bsr3<Real>& A, std::span<const AppendedRow> appended, Preconditioner<Real>& preconditioner,
+    void conjugate_gradients(Team& team, std::span<const SystemPart<Real>> parts, std::span<const AppendedRow> appended,
                              double target, const LinearSolveDef& def, LinearSolveResult& result);
     void import(Team& team, std::span<const Vec3> from, Real* to) const;
     double square(Team& team, const Real* v);
 
-    /// y += what lies beside the matrix times x; returns its x . y.
-    double add_beside(Team& team, std::span<const AppendedRow> appended, const Real* x, Real* y);
+    /// y += what lies beside the matrices times x; returns its x . y.
+    double add_beside(Team& team, std::span<const SystemPart<Real>> parts, std::span<const AppendedRow> appended, const Real* x, Real* y);
+    /// z = P^-1 r part by part; returns r . z, or the first that is not positive though its part has a residual.
+    double precondition(Team& team, std::span<const SystemPart<Real>> parts, const Real* r, Real* z);
 
-    Coupling<Real>* coupling_ = nullptr;
     std::span<const EliminatedBody> eliminated_;
     const Bsr3Kernels<Real>& kernels_;
     std::size_t rows_;

@@ -9,13 +9,16 @@ namespace supple {
 
 using AttachmentId = Id<struct AttachmentTag>;
 
-/// Ties a point of a body to a place in the world, or to a collider: the two pull one another, whichever way they move.
+/// Ties a point of a body to a place in the world, to a collider or to another body: the two pull one another, whichever way they move.
 struct AttachmentDef {
     BodyId body{};
     std::array<std::int32_t, 4> vertices{-1, -1, -1, -1};  ///< one vertex, or up to four that `weights` average; -1 behind them
     std::array<double, 4> weights{1, 0, 0, 0};             ///< of the point, sum to one
     ColliderId collider{};                                 ///< none: the world. Of any motion: what yields is pulled
-    bool at_point = true;                                  ///< tied where the point is now; otherwise to anchor_m
+    BodyId other{};                                        ///< in place of a collider: another body
+    std::array<std::int32_t, 4> other_vertices{-1, -1, -1, -1};  ///< its point, as above; none: where the body's point is now, in or beside its nearest element
+    std::array<double, 4> other_weights{1, 0, 0, 0};
+    bool at_point = true;                                  ///< tied where the point is now; otherwise to anchor_m (not with `other`)
     Vec3 anchor_m = Vec3::Zero();                          ///< in the world, now
     double stiffness_n_m = 0;                              ///< (0, 1e12]; 0: hard, a thousand times what the vertices weigh against a force over one step
     double max_force_n = 0;                                ///< it breaks above; 0: never

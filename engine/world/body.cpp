@@ -110,7 +110,6 @@ void couple_elements(Body& body) {
         system.coupling.reset();
         system.preconditioner->coupling_diagonal = {};  // it lay in the coupling
         if (body.elements->is_coupled()) system.coupling = std::make_unique<ElementCoupling<Real>>(body);
-        system.solver.set_coupling(system.coupling.get());
     };
     with_system(body, couple);
 }
@@ -174,6 +173,7 @@ std::unique_ptr<Body> make_body(const BodyDef& def, const WorldDef& world, std::
     if (!def.shape) bad_body("shape", "is null; make one with BodyTemplate::build(mesh)");
     if (!def.translation_m.allFinite()) bad_body("translation_m", "is not finite");
     if (!def.velocity_m_s.allFinite()) bad_body("velocity_m_s", "is not finite");
+    require_in_range(def.friction, 0, 10, "BodyDef.friction", "0.3 is usual, 0.01 to 0.1 for wet tissue");
     if (def.skin && def.skin->mesh_vertices() != def.shape->mesh().vertices.size())
         bad_body("skin", "was made for a mesh of " + std::to_string(def.skin->mesh_vertices()) + " vertices, this one has " +
                              std::to_string(def.shape->mesh().vertices.size()) + "; make it with Skin::build(shape->mesh(), surface)");

@@ -108,6 +108,7 @@ struct Workspace {
     std::vector<Vec3> b, rhs, free_rhs;  ///< right-hand side; with drag springs; with held coordinates zeroed
     std::vector<Vec3> dv, residual, product;
     std::vector<Vec3> bare;           ///< b - A dv of the body itself: without drag springs and contacts
+    std::vector<solve::AppendedRow> own_rows;  ///< in an island of several: the body's part of the rows beside the matrices, in its own vertices, for its preconditioner
     std::vector<double> diagonal;     ///< mass part of the matrix
     std::vector<double> partial;
 };
@@ -175,6 +176,7 @@ struct Drag {
     std::vector<std::int32_t> vertex;
     std::vector<double> weight;    ///< sums to one
     std::vector<Vec3> masked;      ///< weight per coordinate, zero where held; rebuilt with the supports
+    std::vector<std::int32_t> row; ///< in the system of an island of several members
     Vec3 offset = Vec3::Zero();    ///< from the weighted mean to the picked point
     Vec3 target = Vec3::Zero();
     Vec3 force = Vec3::Zero();

@@ -60,14 +60,17 @@ struct ColliderState {
     Pose target{};                      ///< of a tool or a kinematic one
 };
 
-/// A contact that pressed in the last step. Forces act on the body; the collider takes the opposite.
+/// A contact that pressed in the last step. Forces act on the body; the collider, or the other body, takes the opposite.
 struct ContactPoint {
     BodyId body;
-    ColliderId collider;
+    ColliderId collider;                   ///< none: another body, or the body itself
+    BodyId other;                          ///< none: a collider
+    std::int32_t other_triangle = -1;      ///< of the other's boundary
+    std::array<double, 3> other_barycentric{};
     std::int32_t triangle = -1;            ///< of BodyTemplate::boundary()
     std::array<double, 3> barycentric{};   ///< of the point in it
     Vec3 position_m = Vec3::Zero();        ///< of the body's surface
-    Vec3 normal = Vec3::Zero();            ///< unit, out of the collider
+    Vec3 normal = Vec3::Zero();            ///< unit, out of the collider or the other body
     double depth_m = 0;                    ///< how far the surface is inside
     double normal_force_n = 0;             ///< along the normal
     Vec3 friction_force_n = Vec3::Zero();  ///< across it

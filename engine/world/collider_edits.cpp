@@ -155,7 +155,9 @@ std::span<const ContactPoint> World::contacts() const { return impl_->contact_re
 
 Vec3 World::contact_force_n() const {
     Vec3 sum = Vec3::Zero();
-    for (const ContactPoint& c : impl_->contact_report) sum += c.normal_force_n * c.normal + c.friction_force_n;
+    for (const ContactPoint& c : impl_->contact_report) {
+        if (c.collider) sum += c.normal_force_n * c.normal + c.friction_force_n;
+    }
     return sum;
 }
 

@@ -1,7 +1,7 @@
 // The forces of contacts and their place in the system of a step.
 //
 // A body's unknown is dv, a yielding collider's dw (velocity of its centre, spin). A contact's s moves by z = h' J_s dv - h J_c dw, J_s the weights of its
-// vertices, J_c w = v + omega x lever. With the model f = f_ref - K (z - z_ref) on the body and its opposite on the collider, the step reads
+// vertices (those of another body's negative), J_c w = v + omega x lever. With the model f = f_ref - K (z - z_ref) on the body and its opposite on the collider, the step reads
 //     [ A_s + h'^2 J_s^T K J_s     -h h' J_s^T K J_c  ] [dv]   [ b_s + h' J_s^T f(0) ]
 //     [ -h h' J_c^T K J_s       A_c + h^2 J_c^T K J_c ] [dw] = [ b_c - h  J_c^T f(0) ].
 // dw is eliminated: six unknowns a collider, a matrix of its own. Conjugate gradients see  A_s + h'^2 J_s^T K J_s - B A^-1 B^T  with B = h h' J_s^T K J_c and A the
@@ -38,11 +38,17 @@ solve::Mat36 point_velocity(const Vec3& lever) {
     return J;
 }
 
+/// Sum of a contact's weights times field(body, vertex).
+template <class Field>
+Vec3 weighted(const Body& body, const Contact& c, Field&& field) {
+    Vec3 sum = Vec3::Zero();
+    for (std::size_t k = 0; k < c.vertices(); ++k) sum += c.weight[k] * field(k < c.corners ? body : *c.other, std::size_t(c.vertex[k]));
+    return sum;
+}
+
 /// z of a contact for the solution dv, dw that is at hand.
 Vec3 shift(const StepContext& ctx, const Body& body, const Contact& c) {
-    Vec3 z = Vec3::Zero();
-    for (std::size_t k = 0; k < c.corners; ++k) z += c.weight[k] * body.work.dv[std::size_t(c.vertex[k])];
-    z *= body.work.h;
+    Vec3 z = weighted(body, c, [](const Body& of, std::size_t v) -> Vec3 { return of.work.h * of.work.dv[v]; });
     if (c.collider == kNoCollider) return z;
     const Collider& collider = ctx.world.colliders[c.collider];
     if (collider.unknown()) z -= ctx.world.def.time_step_s * (collider.dw.head<3>() + collider.dw.tail<3>().cross(c.lever));
@@ -98,20 +104,18 @@ void set_model(Contact& c, const Vec3& z) {
 
 }  // namespace
 
-void move_contacts(StepContext& ctx, Body& body) {
-    for (Contact& c : body.contacts.list) {
-        Vec3 point = Vec3::Zero();
-        for (std::size_t k = 0; k < c.corners; ++k) {
-            const auto v = std::size_t(c.vertex[k]);
-            point += c.weight[k] * (body.work.base_x[v] + body.work.h * body.work.v0[v]);
+void move_contacts(StepContext& ctx, Island& island) {
+    for (Member& member : island.members) {
+        const Body& body = *member.body;
+        for (Contact& c : member.body->contacts.list) {
+            c.s_zero = weighted(body, c, [](const Body& of, std::size_t v) -> Vec3 { return of.work.base_x[v] + of.work.h * of.work.v0[v]; }) - c.lever;
+            if (c.collider != kNoCollider) {
+                const Collider& collider = ctx.world.colliders[c.collider];
+                const Vec6 since = collider.w - collider.reference;
+                c.s_zero -= collider.c1 + ctx.world.def.time_step_s * (since.head<3>() + since.tail<3>().cross(c.lever));
+            }
+            set_model(c, Vec3::Zero());
         }
-        c.s_zero = point - c.lever;
-        if (c.collider != kNoCollider) {
-            const Collider& collider = ctx.world.colliders[c.collider];
-            const Vec6 since = collider.w - collider.reference;
-            c.s_zero -= collider.c1 + ctx.world.def.time_step_s * (since.head<3>() + since.tail<3>().cross(c.lever));
-        }
-        set_model(c, Vec3::Zero());
     }
 }
 
@@ -123,108 +127,149 @@ void place_contacts(StepContext& ctx, Body& body) {
     }
 }
 
-void take_contacts(StepContext& ctx, Body& body) {
-    for (Contact& c : body.contacts.list) {
-        const Vec3 z = shift(ctx, body, c);
-        c.s_zero += z;
-        c.z_ref -= z;
+void take_contacts(StepContext& ctx, Island& island) {
+    for (Member& member : island.members) {
+        for (Contact& c : member.body->contacts.list) {
+            const Vec3 z = shift(ctx, *member.body, c);
+            c.s_zero += z;
+            c.z_ref -= z;
+        }
     }
     advance_colliders(ctx, 1);
 }
 
-void append_contacts(StepContext& ctx, Body& body) {
+namespace {
+
+Member& member_of(Island& island, const Body* body) {
+    return *std::find_if(island.members.begin(), island.members.end(), [&](const Member& m) { return m.body == body; });
+}
+
+/// The row of a contact in the island's system, and its parts in those of the members.
+void append_row(StepContext& ctx, Island& island, Member& member, Contact& c) {
+    const double hs = member.body->work.h;
+    const Mat3 K = hs * hs * c.K;
+    const std::span<const std::int32_t> vertex(c.vertex.data(), c.vertices());
+    const std::span<const Vec3> weight(c.masked.data(), c.vertices());
+    if (island.alone()) {
+        ctx.world.appended.push_back({vertex, weight, K});
+        return;
+    }
+    Member& other = c.other != nullptr ? member_of(island, c.other) : member;
+    for (std::size_t k = 0; k < c.vertices(); ++k) c.row[k] = c.vertex[k] + std::int32_t((k < c.corners ? member : other).first_row);
+    ctx.world.appended.push_back({{c.row.data(), c.vertices()}, weight, K});
+    if (&other == &member) {
+        member.body->work.own_rows.push_back({vertex, weight, K});
+        return;
+    }
+    member.body->work.own_rows.push_back({vertex.first(c.corners), weight.first(c.corners), K});
+    other.body->work.own_rows.push_back({vertex.subspan(c.corners), weight.subspan(c.corners), K});
+}
+
+}  // namespace
+
+void append_contacts(StepContext& ctx, Island& island) {
     World::Impl& world = ctx.world;
-    const double hs = body.work.h, hc = world.def.time_step_s;
+    const double hc = world.def.time_step_s;
     world.eliminated.clear();
     for (Collider& collider : world.colliders) {
         collider.row.clear();
+        collider.dv.clear();
         collider.block.clear();
+        if (collider.generation != 0 && collider.unknown()) collider_equation(ctx, collider, collider.A, collider.b);
     }
-    const std::vector<Contact>& list = body.contacts.list;
-    std::size_t next = 0;
-    for (std::uint32_t slot = 0; slot < world.colliders.size(); ++slot) {
-        Collider& collider = world.colliders[slot];
-        if (collider.generation == 0) continue;
-        Mat66 A = Mat66::Zero();
-        Vec6 b = Vec6::Zero();
-        if (collider.unknown()) collider_equation(ctx, collider, A, b);
-        for (; next < list.size() && list[next].collider == slot; ++next) {
-            const Contact& c = list[next];
+    for (Member& member : island.members) {
+        const double hs = member.body->work.h;
+        for (Contact& c : member.body->contacts.list) {
             if (!c.closed) continue;
-            world.appended.push_back({c.rows(), c.weights(), hs * hs * c.K});
-            if (!collider.unknown()) continue;
+            append_row(ctx, island, member, c);
+            if (c.collider == kNoCollider || !world.colliders[c.collider].unknown()) continue;
+            Collider& collider = world.colliders[c.collider];
             const solve::Mat36 J = point_velocity(c.lever), KJ = c.K * J;
-            A += hc * hc * J.transpose() * KJ;
-            b -= hc * J.transpose() * c.force(Vec3::Zero());
+            collider.A += hc * hc * J.transpose() * KJ;
+            collider.b -= hc * J.transpose() * c.force(Vec3::Zero());
             for (std::size_t k = 0; k < c.corners; ++k) {
-                collider.row.push_back(c.vertex[k]);
+                collider.row.push_back(c.vertex[k] + std::int32_t(member.first_row));
+                collider.dv.push_back(&member.body->work.dv[std::size_t(c.vertex[k])]);
                 collider.block.push_back(hs * hc * c.masked[k].asDiagonal() * KJ);
             }
         }
-        if (!collider.unknown()) continue;
-        collider.inverse = A.llt().solve(Mat66::Identity());
-        collider.b = b;
+    }
+    for (Collider& collider : world.colliders) {
+        if (collider.generation == 0 || !collider.unknown()) continue;
+        collider.inverse = collider.A.llt().solve(Mat66::Identity());
         if (!collider.row.empty()) world.eliminated.push_back({collider.row, collider.block, collider.inverse});
     }
-    for (; next < list.size(); ++next) world.appended.push_back({list[next].rows(), list[next].weights(), hs * hs * list[next].K});  // tied to the world
-    with_system(body, [&](auto& system) { system.solver.set_eliminated(world.eliminated); });
 }
 
-void solve_colliders(StepContext& ctx, Body& body) {
+void solve_colliders(StepContext& ctx) {
     for (Collider& collider : ctx.world.colliders) {
         if (collider.generation == 0 || !collider.unknown()) continue;
         Vec6 sum = collider.b;
-        for (std::size_t i = 0; i < collider.row.size(); ++i) sum += collider.block[i].transpose() * body.work.dv[std::size_t(collider.row[i])];
+        for (std::size_t i = 0; i < collider.dv.size(); ++i) sum += collider.block[i].transpose() * *collider.dv[i];
         collider.dw = collider.inverse * sum;
     }
 }
 
-void add_contact_forces(StepContext& ctx, const Body& body, bool at_solution, Vec3* r) {
-    for (const Contact& c : body.contacts.list) {
-        if (!c.closed) continue;
-        const Vec3 impulse = body.work.h * c.force(at_solution ? shift(ctx, body, c) : Vec3(Vec3::Zero()));
-        for (std::size_t k = 0; k < c.corners; ++k) r[std::size_t(c.vertex[k])] += c.weight[k] * impulse;
+void add_contact_forces(StepContext& ctx, Island& island, bool at_solution, std::vector<Vec3> Workspace::* field) {
+    for (Member& member : island.members) {
+        Workspace& w = member.body->work;
+        for (const Contact& c : member.body->contacts.list) {
+            if (!c.closed) continue;
+            const Vec3 force = c.force(at_solution ? shift(ctx, *member.body, c) : Vec3(Vec3::Zero())), impulse = w.h * force;
+            std::size_t k = 0;
+            for (; k < c.corners; ++k) (w.*field)[std::size_t(c.vertex[k])] += c.weight[k] * impulse;
+            for (; k < c.vertices(); ++k) (c.other->work.*field)[std::size_t(c.vertex[k])] += c.weight[k] * c.other->work.h * force;
+        }
     }
 }
 
-ContactCheck update_contacts(StepContext& ctx, Body& body, bool raise, bool last) {
+ContactCheck update_contacts(StepContext& ctx, Island& island, bool raise, bool last) {
     double difference = 0, sum = 0;
-    for (const Contact& c : body.contacts.list) {
+    const auto for_contacts = [&](auto&& visit) {
+        for (Member& member : island.members) {
+            for (Contact& c : member.body->contacts.list) visit(*member.body, c);
+        }
+    };
+    for_contacts([&](const Body& body, const Contact& c) {
         const Vec3 z = shift(ctx, body, c);
         const Vec3 force = push(c, c.s_zero + z).force;
         difference += (c.closed ? Vec3(force - c.force(z)) : force).norm();
         sum += force.norm();
-    }
+    });
     ContactCheck check;
     check.error = sum > 0 ? difference / sum : difference > 0 ? 1 : 0;
     check.agrees = check.error <= kAgree;
     if (last) return check;  // the forces stay those that the solution was found with
     if (check.agrees && raise) {
-        for (Contact& c : body.contacts.list) {
-            if (c.attachment >= 0 || c.boost >= kMostBoost || -c.normal.dot(c.s_zero + shift(ctx, body, c)) <= c.allowed_depth) continue;
+        for_contacts([&](const Body& body, Contact& c) {
+            if (c.attachment >= 0 || c.boost >= kMostBoost || -c.normal.dot(c.s_zero + shift(ctx, body, c)) <= c.allowed_depth) return;
             c.boost *= kRaise;
             check.raised = true;
-        }
+        });
     }
     if (cap_colliders(ctx) || check.raised) check.agrees = false;
     if (check.agrees) return check;
-    for (Contact& c : body.contacts.list) set_model(c, shift(ctx, body, c));
+    for_contacts([&](const Body& body, Contact& c) { set_model(c, shift(ctx, body, c)); });
     return check;
 }
 
-bool contacts_are_stale(StepContext& ctx, const Body& body) {
-    if (ctx.world.living_colliders == 0) return false;  // attachments are everywhere the same
-    const ContactSurface& surface = *body.contacts.surface;
-    const Workspace& w = body.work;
-    const double limit = kStale * surface.margin_m;
-    for (const std::int32_t v : body.data().boundary_vertices) {
-        const auto i = std::size_t(v);
-        if (!((w.base_x[i] + w.h * (w.v0[i] + w.dv[i]) - surface.end[i]).squaredNorm() <= limit * limit)) return true;
-    }
-    for (const Collider& collider : ctx.world.colliders) {
-        if (collider.generation == 0 || !collider.unknown()) continue;
-        const Vec6 moved = ctx.world.def.time_step_s * (collider.w + collider.dw - collider.reference);
-        if (moved.head<3>().norm() + moved.tail<3>().norm() * collider.reach_m > limit) return true;
+bool contacts_are_stale(StepContext& ctx, const Island& island) {
+    for (const Member& member : island.members) {
+        const Body& body = *member.body;
+        const bool looked = ctx.world.living_colliders > 0 || !island.alone() || may_touch(ctx.world, member, member);
+        if (!looked || !body.contacts.surface) continue;  // attachments are everywhere the same
+        const ContactSurface& surface = *body.contacts.surface;
+        const Workspace& w = body.work;
+        const double limit = kStale * surface.margin_m;
+        for (const std::int32_t v : body.data().boundary_vertices) {
+            const auto i = std::size_t(v);
+            if (!((w.base_x[i] + w.h * (w.v0[i] + w.dv[i]) - surface.end[i]).squaredNorm() <= limit * limit)) return true;
+        }
+        for (const Collider& collider : ctx.world.colliders) {
+            if (collider.generation == 0 || !collider.unknown()) continue;
+            const Vec6 moved = ctx.world.def.time_step_s * (collider.w + collider.dw - collider.reference);
+            if (moved.head<3>().norm() + moved.tail<3>().norm() * collider.reach_m > limit) return true;
+        }
     }
     return false;
 }
@@ -269,10 +314,23 @@ void read_contacts(StepContext& ctx, BodyId id, Body& body) {
             attachment.broken = attachment.def.max_force_n > 0 && force.norm() > attachment.def.max_force_n;
             continue;
         }
-        const Collider& collider = ctx.world.colliders[c.collider];
         ContactPoint point;
         point.body = id;
-        point.collider = {c.collider, collider.generation};
+        std::uint32_t generation;
+        if (c.other != nullptr) {
+            generation = ctx.world.slots[std::size_t(c.other_slot)].generation;
+            point.other = {std::uint32_t(c.other_slot), generation};
+            point.other_triangle = c.other_triangle;
+            const Triangle& corner = c.other->data().boundary.triangles[std::size_t(c.other_triangle)];
+            for (std::size_t k = c.corners; k < c.vertices(); ++k) {
+                for (std::size_t j = 0; j < 3; ++j) {
+                    if (corner[j] == c.vertex[k]) point.other_barycentric[j] = -c.weight[k];
+                }
+            }
+        } else {
+            generation = ctx.world.colliders[c.collider].generation;
+            point.collider = {c.collider, generation};
+        }
         point.triangle = c.triangle;
         const Triangle& corner = body.data().boundary.triangles[std::size_t(c.triangle)];
         for (std::size_t k = 0; k < c.corners; ++k) {
@@ -289,9 +347,12 @@ void read_contacts(StepContext& ctx, BodyId id, Body& body) {
 
         ContactMemory memory;
         memory.collider = c.collider;
-        memory.generation = collider.generation;
-        memory.vertex = {c.vertex[0], c.vertex[1], c.vertex[2]};
-        memory.weight = {c.weight[0], c.weight[1], c.weight[2]};
+        memory.generation = generation;
+        memory.other = c.other_slot;
+        for (std::size_t k = 0; k < std::min<std::size_t>(c.corners, 3); ++k) {
+            memory.vertex[k] = c.vertex[k];
+            memory.weight[k] = c.weight[k];
+        }
         memory.friction_n = {point.friction_force_n[0], point.friction_force_n[1], point.friction_force_n[2]};
         memory.boost = point.depth_m < kEasy * c.allowed_depth ? std::max(1.0, c.boost / 2) : c.boost;
         body.state.contacts.push_back(memory);

@@ -3,36 +3,48 @@
 
 namespace supple {
 
-// Contact inside a step. begin_colliders; for each body: find_contacts where Newton stands, then solves and update_contacts until the contacts agree with
-// the solution; read_contacts; end_colliders.
+// Contact inside a step. begin_colliders; find_contacts for all bodies where Newton begins; islands are made of what touches; for each: solves and
+// update_contacts until the contacts agree with the solution; read_contacts; end_colliders.
 
 /// Poses at the start of the step, where given motions lead, first guesses of the others.
 void begin_colliders(StepContext& ctx);
 /// New poses and velocities, forces on the colliders, the report of the step.
 void end_colliders(StepContext& ctx);
 
-/// The contacts of a body around the velocity v0 + dv that its solve has reached: what touches, what may touch, and the model of each.
-void find_contacts(StepContext& ctx, BodyId id, Body& body);
+/// The contacts of bodies around the velocity v0 + dv that their solve has reached, with colliders and with one another: what touches, what may touch, and the
+/// model of each.
+void find_contacts(StepContext& ctx, std::span<Member> members);
+/// Those of a body with the members, itself among them, where the surfaces of all know where they would end (ContactSurface::end).
+void find_body_contacts(StepContext& ctx, Member& member, std::span<Member> members);
+/// Whether two bodies, or one with itself, are to touch where they meet.
+bool may_touch(const World::Impl& world, const Member& a, const Member& b);
+/// The attachments of a body, added to its contacts.
+void find_attachments(StepContext& ctx, Member& member, std::span<Member> members);
+/// What a vertex weighs against a force over one step: its inertia and its own elasticity [N/m].
+double weight_against(const StepContext& ctx, const Body& body, std::int32_t vertex);
+/// The stiffness of a contact is so many times what its vertices weigh against a force over one step.
+inline constexpr double kContactStiffness = 20;
+/// Parts of the edges around it that a contact may be deep.
+inline constexpr double kAllowedDepth = 0.05;
+
 /// s and models of contacts that were found at the solution at hand, which z_ref holds then.
 void place_contacts(StepContext& ctx, Body& body);
 /// The models at v0 itself, for a new v0 with the same contacts.
-void move_contacts(StepContext& ctx, Body& body);
+void move_contacts(StepContext& ctx, Island& island);
 /// The whole solution is taken: v0 and the colliders' w have moved on by it, the forces stay those of the models.
-void take_contacts(StepContext& ctx, Body& body);
+void take_contacts(StepContext& ctx, Island& island);
 /// Adds the rows of the contacts that push to world.appended, and the equations of the colliders that yield to world.eliminated.
-void append_contacts(StepContext& ctx, Body& body);
-/// The attachments of a body, added to its contacts.
-void find_attachments(StepContext& ctx, BodyId id, Body& body);
+void append_contacts(StepContext& ctx, Island& island);
 /// A dw = b of a yielding collider without contacts: inertia, gravity, its coupling, and what the bodies before this one did.
 void collider_equation(const StepContext& ctx, const Collider& collider, Mat66& A, Vec6& b);
 /// A tool whose coupling would pull harder than it may at w + dw pulls as hard as it may from now on. True if one did.
 bool cap_colliders(StepContext& ctx);
 /// The end poses where w + dw leads: contacts are looked for there.
 void refer_colliders(StepContext& ctx);
-/// dw of the yielding colliders that goes with the body's dv.
-void solve_colliders(StepContext& ctx, Body& body);
-/// r += h' times the contact forces that the models give at the solution, or at v0.
-void add_contact_forces(StepContext& ctx, const Body& body, bool at_solution, Vec3* r);
+/// dw of the yielding colliders that goes with the island's dv.
+void solve_colliders(StepContext& ctx);
+/// field += h' times the contact forces that the models give at the solution, or at v0.
+void add_contact_forces(StepContext& ctx, Island& island, bool at_solution, std::vector<Vec3> Workspace::* field);
 
 struct ContactCheck {
     bool agrees = true;   ///< the models' forces are those of the contacts where the solution has led
@@ -40,9 +52,9 @@ struct ContactCheck {
     double error = 0;     ///< sum of the differences, as part of the sum of forces
 };
 /// Models at the solution dv, if they disagree with it. Where `raise`, contacts that are too deep become stiffer. `last`: only looks.
-ContactCheck update_contacts(StepContext& ctx, Body& body, bool raise, bool last);
+ContactCheck update_contacts(StepContext& ctx, Island& island, bool raise, bool last);
 /// True if the solution has led so far from where the contacts were looked for that there may be others.
-bool contacts_are_stale(StepContext& ctx, const Body& body);
+bool contacts_are_stale(StepContext& ctx, const Island& island);
 
 /// No solution yet: dw is zero, and w where the next one starts from.
 void rest_colliders(StepContext& ctx);

@@ -11,13 +11,14 @@
 
 namespace supple {
 
+struct Body;
 struct TemplateData;
 
 /// What a contact leaves to the next step. Part of a body's state; no padding, so that its bytes are its value.
 struct ContactMemory {
     std::uint32_t collider = 0, generation = 0;
     std::array<std::int32_t, 3> vertex{-1, -1, -1};  ///< whose weights are not zero, ascending; -1 behind them
-    std::int32_t unused = 0;
+    std::int32_t other = -1;                         ///< slot of the other body, its generation above; -1: a collider
     std::array<double, 3> friction_n{};              ///< on the body
     std::array<double, 3> weight{};                  ///< of the vertices
     double boost = 1;                                ///< of the stiffness
@@ -26,23 +27,27 @@ static_assert(sizeof(ContactMemory) == 80);
 
 inline constexpr std::uint32_t kNoCollider = 0xffffffff;
 
-/// A point of a body's surface that touches a collider, or may do so before the step is over.
+/// A point of a body's surface that touches a collider or a surface of another body (or its own), or may do so before the step is over.
 ///
-/// s = point of the body - point of the collider at the end of the step; gap = n.s. The contact pushes with f_n = max(0, -k gap) and rubs with
+/// s = point of the body - point of the other at the end of the step; gap = n.s. The contact pushes with f_n = max(0, -k gap) and rubs with
 /// f_t = the part of (friction of the last step - k slide) within Coulomb's cone, slide = the change of s since the last step, or since they touched.
 /// f(s) is replaced by f_ref - K (s - s_ref), and again with the s of each solve until that says nothing new (semi-smooth Newton; the friction's
 /// dependence on the normal force is taken from the solve before, which keeps K symmetric).
 ///
 /// An attachment is a contact that pulls as it pushes: f = -k s.
 struct Contact {
-    std::uint32_t collider = 0;       ///< kNoCollider: the world
+    static constexpr std::size_t kMost = 8;  ///< vertices: of an attachment, four on either side
+    std::uint32_t collider = 0;       ///< kNoCollider: the world, or another body
+    std::int32_t other_slot = -1;     ///< of the other body; -1: none
+    Body* other = nullptr;            ///< may be the body itself
     std::int32_t attachment = -1;     ///< its slot; -1: a contact
-    std::array<std::int32_t, 4> vertex{-1, -1, -1, -1};
-    std::array<double, 4> weight{};
-    std::array<Vec3, 4> masked{};     ///< the same per coordinate, zero where held
-    std::uint32_t corners = 0;
-    std::int32_t triangle = -1;
-    Vec3 normal = Vec3::Zero();       ///< out of the collider
+    std::array<std::int32_t, kMost> vertex{-1, -1, -1, -1, -1, -1, -1, -1};  ///< `corners` of the body, then `others` of the other
+    std::array<double, kMost> weight{};  ///< of the others negative: s is the sum over both
+    std::array<Vec3, kMost> masked{}; ///< per coordinate, zero where held; of the others times their h' over the body's
+    std::array<std::int32_t, kMost> row{};  ///< in the system of the island
+    std::uint32_t corners = 0, others = 0;
+    std::int32_t triangle = -1, other_triangle = -1;
+    Vec3 normal = Vec3::Zero();       ///< out of the collider or the other body
     Vec3 lever = Vec3::Zero();        ///< from the collider's centre to the point
     double stiffness = 0;             ///< k [N/m] before boost
     double boost = 1;
@@ -58,19 +63,27 @@ struct Contact {
     Vec3 slip = Vec3::Zero();         ///< direction of its friction where it slips, else zero
 
     Vec3 force(const Vec3& z) const { return f_ref - K * (z - z_ref); }
-    std::span<const std::int32_t> rows() const { return {vertex.data(), corners}; }
-    std::span<const Vec3> weights() const { return {masked.data(), corners}; }
+    std::size_t vertices() const { return corners + others; }
 };
 
-/// What contact needs of a body's surface. Made with the first collider.
+/// What contact needs of a body's surface. Made with the first collider, or the first other body that it may touch.
 struct ContactSurface {
     explicit ContactSurface(const TemplateData& data);
     contact::MovingTriangles tree;
     std::vector<std::int32_t> triangle;  ///< [vertex] a boundary triangle at it; -1 inside
     std::vector<double> edge_m;          ///< [vertex] mean length of its boundary edges
+    std::vector<std::int32_t> around_start, around;  ///< [vertex] -> boundary triangles at it
     double mean_edge_m = 0, longest_edge_m = 0;
     std::vector<Vec3> end;               ///< [vertex] where it would be at the end of the step
+    contact::Bounds box;                 ///< of start and end
+    bool fitted = false;                 ///< the tree is, to start and end, with the margin
     double margin_m = 0;                 ///< contacts up to this gap are watched
+    /// Fits the tree to the way from `start` to `end`, once for each `end`.
+    void fit(std::span<const Vec3> start);
+    std::span<const std::int32_t> triangles_at(std::int32_t v) const {
+        const auto i = std::size_t(v);
+        return std::span(around).subspan(std::size_t(around_start[i]), std::size_t(around_start[i + 1] - around_start[i]));
+    }
 };
 
 /// The contacts of one body in the step at work, and those that pressed in the last one.
@@ -105,12 +118,13 @@ struct Collider {
     Vec3 c0 = Vec3::Zero(), c1 = Vec3::Zero();
     Vec6 begin = Vec6::Zero(), from = Vec6::Zero(), w = Vec6::Zero(), dw = Vec6::Zero(), reference = Vec6::Zero();
     Vec6 impulse = Vec6::Zero();         ///< of the bodies that the step has done with
-    Mat66 inverse = Mat66::Identity();     ///< of A
+    Mat66 A = Mat66::Identity(), inverse = Mat66::Identity();
     Vec6 b = Vec6::Zero();
     bool capped_force = false, capped_torque = false;
     Vec3 force_at_cap = Vec3::Zero(), torque_at_cap = Vec3::Zero();
-    std::vector<std::int32_t> row;       ///< of the body at work
-    std::vector<solve::Mat36> block;     ///< [row] coupling of its contacts between body and collider
+    std::vector<std::int32_t> row;       ///< of the island at work
+    std::vector<const Vec3*> dv;         ///< [row] the velocity change there
+    std::vector<solve::Mat36> block;     ///< [row] coupling of its contacts between island and collider
 
     /// All that moves, as numbers: snapshots, hashes.
     using Moving = std::array<double, 29>;
@@ -129,7 +143,7 @@ struct Collider {
 struct Attachment {
     std::uint32_t generation = 0;        ///< 0: this slot is empty
     AttachmentDef def;
-    std::int32_t corners = 0;            ///< vertices in use
+    std::int32_t corners = 0, others = 0;  ///< vertices in use, of the body and the other
     Vec3 anchor = Vec3::Zero();          ///< in the frame of the collider, or in the world
     Vec3 force = Vec3::Zero();
     std::int32_t broken = 0;
@@ -138,6 +152,12 @@ struct Attachment {
     Vec3 mean(const Points& p) const {
         Vec3 sum = Vec3::Zero();
         for (std::size_t i = 0; i < std::size_t(corners); ++i) sum += def.weights[i] * p[std::size_t(def.vertices[i])];
+        return sum;
+    }
+    template <class Points>
+    Vec3 other_mean(const Points& p) const {
+        Vec3 sum = Vec3::Zero();
+        for (std::size_t i = 0; i < std::size_t(others); ++i) sum += def.other_weights[i] * p[std::size_t(def.other_vertices[i])];
         return sum;
     }
 };

@@ -20,8 +20,6 @@ using contact::Distance;
 namespace {
 
 constexpr double kMargin = 0.5;            // of the mean edge: gaps that are watched
-constexpr double kStiffness = 20;          // of a contact, times what its vertices weigh against a force over one step
-constexpr double kAllowedDepth = 0.05;     // of the edges around a contact
 constexpr double kAllowedDepthOfShape = 0.1;  // of its thinness
 constexpr double kSweepFrom = 0.5;         // of a shape's thinness: longer ways are followed
 constexpr double kNear = 1e-3;             // of the edges, or of the thinness if that is less: what counts as touched on the way
@@ -55,13 +53,6 @@ Bounds world_bounds(const Collider& collider) {
         box.include(collider.to_world1(corner));
     }
     return box;
-}
-
-/// What a vertex weighs against a force over one step: its inertia and its own elasticity.
-double weight_against(const StepContext& ctx, const Body& body, std::int32_t v) {
-    const auto i = std::size_t(v);
-    const double inertia = is_static(ctx) ? 0 : body.mass[i] / (body.work.h * body.work.h);
-    return inertia + body.stiffness_trace[i] / 3;
 }
 
 struct Found {
@@ -99,7 +90,7 @@ void add_contact(Meeting& m, const Found& f) {
         end += c.weight[k] * m.end(c.vertex[k]);
         compliance += c.weight[k] * c.weight[k] / weight_against(m.ctx, body, c.vertex[k]);
     }
-    c.stiffness = kStiffness / compliance;
+    c.stiffness = kContactStiffness / compliance;
     c.allowed_depth = std::min(kAllowedDepth * f.edge_m, kAllowedDepthOfShape * m.collider.thinness_m);
     c.friction = m.collider.def.friction;
     c.normal = m.collider.R1 * f.normal;
@@ -255,13 +246,15 @@ void look_at_triangle(Meeting& m, std::int32_t triangle) {
     add_contact(m, found);
 }
 
-auto key(const Contact& c) { return std::tie(c.collider, c.attachment, c.vertex); }
+auto key(const Contact& c) { return std::tie(c.collider, c.other_slot, c.attachment, c.vertex); }
 
 /// As memory orders them.
 int compare(const Contact& c, const ContactMemory& m) {
     if (c.collider != m.collider) return c.collider < m.collider ? -1 : 1;
+    if (c.other_slot != m.other) return c.other_slot < m.other ? -1 : 1;
     for (std::size_t k = 0; k < 3; ++k) {
-        if (c.vertex[k] != m.vertex[k]) return c.vertex[k] < m.vertex[k] ? -1 : 1;
+        const std::int32_t vertex = k < c.corners ? c.vertex[k] : -1;
+        if (vertex != m.vertex[k]) return vertex < m.vertex[k] ? -1 : 1;
     }
     return 0;
 }
@@ -270,7 +263,7 @@ int compare(const Contact& c, const ContactMemory& m) {
 void sort_and_remember(const World::Impl& world, Body& body) {
     std::vector<Contact>& list = body.contacts.list;
     std::sort(list.begin(), list.end(), [](const Contact& a, const Contact& b) {
-        return std::tie(a.collider, a.attachment, a.vertex, a.triangle) < std::tie(b.collider, b.attachment, b.vertex, b.triangle);
+        return std::tie(a.collider, a.other_slot, a.attachment, a.vertex, a.triangle) < std::tie(b.collider, b.other_slot, b.attachment, b.vertex, b.triangle);
     });
     list.erase(std::unique(list.begin(), list.end(), [](const Contact& a, const Contact& b) { return key(a) == key(b); }), list.end());
     const std::vector<ContactMemory>& memory = body.state.contacts;
@@ -278,12 +271,16 @@ void sort_and_remember(const World::Impl& world, Body& body) {
     for (Contact& c : list) {
         if (c.attachment >= 0) continue;
         while (m != memory.end() && compare(c, *m) > 0) ++m;
-        if (m == memory.end() || compare(c, *m) != 0 || m->generation != world.colliders[c.collider].generation) continue;
+        if (m == memory.end() || compare(c, *m) != 0) continue;
+        const std::uint32_t generation = c.other != nullptr ? world.slots[std::size_t(c.other_slot)].generation : world.colliders[c.collider].generation;
+        if (m->generation != generation) continue;
         c.boost = m->boost;
-        const Vec3 friction(m->friction_n[0], m->friction_n[1], m->friction_n[2]);
-        const Collider& collider = world.colliders[c.collider];
-        const Vec3 turned = collider.R1 * (collider.R0.transpose() * friction);
-        c.memory_n = turned - c.normal.dot(turned) * c.normal;
+        Vec3 friction(m->friction_n[0], m->friction_n[1], m->friction_n[2]);
+        if (c.other == nullptr) {
+            const Collider& collider = world.colliders[c.collider];
+            friction = collider.R1 * (collider.R0.transpose() * friction);
+        }
+        c.memory_n = friction - c.normal.dot(friction) * c.normal;
     }
 }
 
@@ -309,6 +306,14 @@ ContactSurface::ContactSurface(const TemplateData& data)
             ++edges;
         }
     }
+    around_start.assign(triangle.size() + 1, 0);
+    for (const Triangle& corner : data.boundary.triangles)
+        for (const std::int32_t v : corner) ++around_start[std::size_t(v) + 1];
+    for (std::size_t v = 0; v < triangle.size(); ++v) around_start[v + 1] += around_start[v];
+    around.resize(std::size_t(around_start.back()));
+    std::vector<std::int32_t> next(around_start.begin(), around_start.end() - 1);
+    for (std::size_t t = 0; t < data.boundary.triangles.size(); ++t)
+        for (const std::int32_t v : data.boundary.triangles[t]) around[std::size_t(next[std::size_t(v)]++)] = std::int32_t(t);
     for (std::size_t v = 0; v < edge_m.size(); ++v) edge_m[v] = count[v] > 0 ? edge_m[v] / count[v] : 0.0;
     mean_edge_m = edges > 0 ? sum / double(edges) : 0;
     margin_m = kMargin * mean_edge_m;
@@ -316,18 +321,24 @@ ContactSurface::ContactSurface(const TemplateData& data)
 
 namespace {
 
-void find_touching(StepContext& ctx, Body& body) {
-    World::Impl& world = ctx.world;
+/// Where the surface would end.
+void follow_surface(Body& body) {
     ContactSurface& surface = *body.contacts.surface;
     const Workspace& w = body.work;
-    Bounds box;
+    surface.box = Bounds{};
     for (const std::int32_t v : body.data().boundary_vertices) {
         const auto i = std::size_t(v);
         surface.end[i] = w.base_x[i] + w.h * (w.v0[i] + w.dv[i]);
-        box.include(surface.end[i]);
-        box.include(body.state.x[i]);
+        surface.box.include(surface.end[i]);
+        surface.box.include(body.state.x[i]);
     }
-    bool fitted = false;
+    surface.fitted = false;
+}
+
+/// The contacts of a body with colliders.
+void find_touching(StepContext& ctx, Body& body) {
+    World::Impl& world = ctx.world;
+    ContactSurface& surface = *body.contacts.surface;
     for (std::uint32_t slot = 0; slot < world.colliders.size(); ++slot) {
         Collider& collider = world.colliders[slot];
         if (collider.generation == 0) continue;
@@ -337,7 +348,7 @@ void find_touching(StepContext& ctx, Body& body) {
         if (!everywhere) {
             m.swept = world_bounds(collider);
             m.swept.grow(surface.margin_m);
-            if (!m.swept.overlaps(box)) continue;
+            if (!m.swept.overlaps(surface.box)) continue;
         }
         for (const std::int32_t v : body.data().boundary_vertices) {
             if (!everywhere) {
@@ -348,23 +359,40 @@ void find_touching(StepContext& ctx, Body& body) {
             look_at_vertex(m, v);
         }
         if (everywhere || collider.feature_radius_m > kRoundEnough * surface.longest_edge_m) continue;
-        if (!fitted) surface.tree.refit(body.state.x, surface.end, surface.margin_m);
-        fitted = true;
+        surface.fit(body.state.x);
         surface.tree.overlapping(m.swept, [&](std::int32_t triangle) { look_at_triangle(m, triangle); });
     }
 }
 
 }  // namespace
 
-void find_contacts(StepContext& ctx, BodyId id, Body& body) {
+double weight_against(const StepContext& ctx, const Body& body, std::int32_t v) {
+    const auto i = std::size_t(v);
+    const double inertia = is_static(ctx) ? 0 : body.mass[i] / (body.work.h * body.work.h);
+    return inertia + body.stiffness_trace[i] / 3;
+}
+
+void ContactSurface::fit(std::span<const Vec3> start) {
+    if (!fitted) tree.refit(start, end, margin_m);
+    fitted = true;
+}
+
+void find_contacts(StepContext& ctx, std::span<Member> members) {
     World::Impl& world = ctx.world;
-    body.contacts.list.clear();
     refer_colliders(ctx);
-    if (world.living_colliders > 0) find_touching(ctx, body);
-    if (world.living_attachments > 0) find_attachments(ctx, id, body);
-    if (body.contacts.list.empty()) return;
-    sort_and_remember(world, body);
-    place_contacts(ctx, body);
+    for (Member& member : members) {
+        if (member.body->contacts.surface) follow_surface(*member.body);
+    }
+    for (Member& member : members) {
+        Body& body = *member.body;
+        body.contacts.list.clear();
+        if (world.living_colliders > 0) find_touching(ctx, body);
+        if (body.contacts.surface) find_body_contacts(ctx, member, members);
+        if (world.living_attachments > 0) find_attachments(ctx, member, members);
+        if (body.contacts.list.empty()) continue;
+        sort_and_remember(world, body);
+        place_contacts(ctx, body);
+    }
 }
 
 }  // namespace supple

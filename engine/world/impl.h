@@ -1,5 +1,5 @@
 #pragma once
-#include "supple/world/body.h"
+#include "supple/world/island.h"
 
 namespace supple {
 
@@ -30,7 +30,20 @@ struct World::Impl {
 
     std::uint64_t step = 0;
     double accumulator_s = 0;
-    std::vector<solve::AppendedRow> appended;  ///< scratch of a step: rows of one body
+    std::vector<solve::AppendedRow> appended;  ///< scratch of a step: rows of one island
+    std::vector<Member> active;                ///< scratch of a step: the bodies that take part in it
+    std::vector<Island> islands;               ///< scratch of a step; more than are in use, so that their memory stays
+    std::size_t living_islands = 0;
+    std::vector<std::size_t> island_of, first_at_collider;  ///< scratch of form_islands()
+    std::unique_ptr<JointSystem<float>> joint_single;   ///< made with the first island of several members
+    std::unique_ptr<JointSystem<double>> joint_double;
+
+    /// Contact of a pair of bodies (or of one with itself) that was switched by hand.
+    struct ContactSwitch {
+        BodyId a, b;
+        bool on = false;
+    };
+    std::vector<ContactSwitch> contact_switches;
 
     Team& team_for(std::size_t elements) { return crew && elements >= kMinElementsForThreads ? *crew : alone; }
     Body& body(BodyId id) const;
@@ -39,6 +52,9 @@ struct World::Impl {
     Attachment& attachment(AttachmentId id);
     double time_s() const { return double(step) * def.time_step_s; }
 };
+
+/// Fills world.islands from the contacts of world.active: bodies that touch one another, are tied together or touch the same collider that yields.
+void form_islands(World::Impl& world);
 
 /// What the stages of a step share.
 struct StepContext {

@@ -22,52 +22,66 @@ constexpr double kSmallestLoadStep = 1.0 / 512;
 
 enum class Outcome { converged, cap, not_finite };
 
-double dot(StepContext& ctx, Body& body, const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
-    return solve::sum_over_rows(ctx.team, body.vertices(), body.work.partial, [&](std::size_t begin, std::size_t end) {
-        double sum = 0;
-        for (std::size_t i = begin; i < end; ++i) sum += a[i].dot(b[i]);
-        return sum;
-    });
+/// dv . rhs
+double work_along(StepContext& ctx, Island& island) {
+    double total = 0;
+    for (Member& member : island.members) {
+        Workspace& w = member.body->work;
+        total += solve::sum_over_rows(ctx.team, member.body->vertices(), w.partial, [&](std::size_t begin, std::size_t end) {
+            double sum = 0;
+            for (std::size_t i = begin; i < end; ++i) sum += w.dv[i].dot(w.rhs[i]);
+            return sum;
+        });
+    }
+    return total;
+}
+
+/// Forces and tangents at v0; the norm of b, not finite if a body has blown up.
+double evaluate(StepContext& ctx, Island& island, bool at_current) {
+    return norm_of(island, [&](Body& body) { return evaluate_elements(ctx, body, at_current); });
 }
 
 /// The whole of dv, unsearched.
-void take_step(StepContext& ctx, Body& body) {
-    Workspace& w = body.work;
-    ctx.team.for_range(body.vertices(), kRowChunk, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) w.v0[i] += w.dv[i];
-    });
-    take_contacts(ctx, body);
+void take_step(StepContext& ctx, Island& island) {
+    take_contacts(ctx, island);
+    for (Member& member : island.members) {
+        Workspace& w = member.body->work;
+        ctx.team.for_range(member.body->vertices(), kRowChunk, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) w.v0[i] += w.dv[i];
+        });
+    }
 }
 
 /// v0 = v_start + s dv.
-void move_to(StepContext& ctx, Body& body, double s) {
-    Workspace& w = body.work;
-    ctx.team.for_range(body.vertices(), kRowChunk, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) w.v0[i] = w.v_start[i] + s * w.dv[i];
-    });
+void move_to(StepContext& ctx, Island& island, double s) {
+    for (Member& member : island.members) {
+        Workspace& w = member.body->work;
+        ctx.team.for_range(member.body->vertices(), kRowChunk, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) w.v0[i] = w.v_start[i] + s * w.dv[i];
+        });
+    }
     advance_colliders(ctx, s);
 }
 
 /// Forces and tangent at v0, and the norm of the right-hand side with drag springs and contacts.
-double look(StepContext& ctx, Watch& watch, BodyId id, Body& body) {
-    const double norm = evaluate_elements(ctx, body, false);
-    const double with_touch = norm < kOverflow ? residual_with_touch(ctx, id, body) : norm;
+double look(StepContext& ctx, Watch& watch, Island& island) {
+    const double norm = evaluate(ctx, island, false);
+    const double with_touch = norm < kOverflow ? residual_with_touch(ctx, island) : norm;
     watch.lap(ctx, Stage::elements);
     return with_touch;
 }
 
 /// Goes along dv to where the right-hand side has no more than 0.8 of its first component along dv left against it (Matthies and Strang 1979: a
 /// step that the potential energy agrees with, also where there is none), or where the residual itself has fallen. Returns the residual there.
-double line_search(StepContext& ctx, Watch& watch, BodyId id, Body& body, double norm) {
-    Workspace& w = body.work;
-    w.v_start = w.v0;
-    const double slope = dot(ctx, body, w.dv, w.rhs);
+double line_search(StepContext& ctx, Watch& watch, Island& island, double norm) {
+    for (Member& member : island.members) member.body->work.v_start = member.body->work.v0;
+    const double slope = work_along(ctx, island);
     double s = 1, low = 0, low_slope = slope;
     for (int trial = 0;; ++trial) {
-        move_to(ctx, body, s);
-        const double here = look(ctx, watch, id, body);
+        move_to(ctx, island, s);
+        const double here = look(ctx, watch, island);
         const bool finite = here < kOverflow;
-        const double g = finite ? dot(ctx, body, w.dv, w.rhs) : -HUGE_VAL;
+        const double g = finite ? work_along(ctx, island) : -HUGE_VAL;
         if ((finite && (slope <= 0 || g >= -0.8 * slope || here <= 0.9 * norm)) || trial == kMaxTrials) return here;
         const double secant = finite ? low_slope / (low_slope - g) : 0.2;
         s = low + (s - low) * std::clamp(secant, 0.1, 0.7);
@@ -88,40 +102,45 @@ NewtonPlan plan_of(const SolverDef& def) {
     return plan;
 }
 
+bool projects(const Island& island) { return island.members[0].body->work.project; }
+void set_projection(Island& island, bool project) {
+    for (Member& member : island.members) member.body->work.project = project;
+}
+
 /// The linear system of this iterate, with the tangent as it is or made positive. The last evaluation stands at v0, one way or the other.
-Solved solve_linearised(StepContext& ctx, Watch& watch, BodyId id, Body& body, bool project, double floor, double tolerance, bool first) {
-    if (body.work.project != project) {
-        body.work.project = project;
-        evaluate_elements(ctx, body, false);
+Solved solve_linearised(StepContext& ctx, Watch& watch, Island& island, bool project, double floor, double tolerance, bool first) {
+    if (projects(island) != project) {
+        set_projection(island, project);
+        evaluate(ctx, island, false);
         watch.lap(ctx, Stage::elements);
     }
-    assemble(ctx, body);
+    for (Member& member : island.members) assemble(ctx, *member.body);
     watch.lap(ctx, Stage::assemble);
-    const Solved solved = solve_system(ctx, id, body, floor, tolerance, first);
+    const Solved solved = solve_system(ctx, island, floor, tolerance, first);
     watch.lap(ctx, Stage::solve);
-    if (solved == Solved::yes && !project && dot(ctx, body, body.work.dv, body.work.rhs) < 0) return Solved::indefinite;  // dv.A dv
+    if (solved == Solved::yes && !project && work_along(ctx, island) < 0) return Solved::indefinite;  // dv.A dv
     return solved;
 }
 
 /// From v0 to a solution. v0 and the element pass stand at the last iterate.
-Outcome iterate(StepContext& ctx, Watch& watch, BodyId id, Body& body, const NewtonPlan& plan, double floor) {
+Outcome iterate(StepContext& ctx, Watch& watch, Island& island, const NewtonPlan& plan, double floor) {
     const SolverDef& def = ctx.world.def.solver;
     const bool to_tolerance = plan.tolerance > 0;
     const std::int64_t before_ns = now_ns();
-    double norm = evaluate_elements(ctx, body, def.linearise_at == LineariseAt::current && !plan.is_static);
+    double norm = evaluate(ctx, island, def.linearise_at == LineariseAt::current && !plan.is_static);
     // The solves must leave time for the residual and the integration: about as long as the evaluation took.
     ctx.deadline_ns = ctx.body_end_ns == 0 ? 0 : ctx.body_end_ns - (now_ns() - before_ns);
     watch.lap(ctx, Stage::elements);
     if (!(norm < kOverflow)) return Outcome::not_finite;
-    if (to_tolerance) norm = residual_with_touch(ctx, id, body);
+    if (to_tolerance) norm = residual_with_touch(ctx, island);
     double first = norm, previous = norm, eta = 0.1;
     int wait = 0, next_wait = 1;  // iterations before the exact tangent gets its next chance
     for (int k = 0;; ++k) {
         if (to_tolerance) {
-            const double scale = plan.is_static ? static_scale(ctx, body) : first;
+            const double scale = plan.is_static ? static_scale(ctx, island) : first;
             if ((k > 0 || plan.is_static) && norm <= std::max(plan.tolerance * scale, floor)) return Outcome::converged;
             if (k > 0 || plan.is_static) {
-                const double rounding = rounding_residual(ctx, body);
+                const double rounding = rounding_residual(ctx, island);
                 if (norm <= rounding || (norm > 0.5 * previous && k > 0 && norm <= kStagnation * rounding)) return Outcome::converged;
             }
             if (k == plan.iterations) return Outcome::cap;
@@ -134,25 +153,25 @@ Outcome iterate(StepContext& ctx, Watch& watch, BodyId id, Body& body, const New
         const double tolerance = to_tolerance ? std::clamp(eta, def.cg_relative_tolerance, 0.1) : def.cg_relative_tolerance;
         // Rayleigh's damping has the stiffness in its force: there the tangent must stay of one kind.
         const bool exact = to_tolerance && (plan.is_static || (k > 0 && def.rayleigh_stiffness_s == 0)) && wait-- <= 0;
-        Solved solved = solve_linearised(ctx, watch, id, body, !exact, floor, tolerance, k == 0);
+        Solved solved = solve_linearised(ctx, watch, island, !exact, floor, tolerance, k == 0);
         if (solved == Solved::indefinite) {
             wait = next_wait;
             next_wait = std::min(2 * next_wait, kLongestWait);
-            solved = solve_linearised(ctx, watch, id, body, true, floor, tolerance, k == 0);
+            solved = solve_linearised(ctx, watch, island, true, floor, tolerance, k == 0);
         }
         if (solved == Solved::not_finite) return Outcome::not_finite;
         ctx.report.newton_iterations = std::max(ctx.report.newton_iterations, k + 1);
         previous = norm;
         if ((ctx.report.flags & StepFlag::budget) != StepFlag::none) {  // no time for more: what there is counts
-            take_step(ctx, body);
+            take_step(ctx, island);
             return Outcome::converged;
         }
         if (to_tolerance) {
-            norm = line_search(ctx, watch, id, body, norm);
+            norm = line_search(ctx, watch, island, norm);
         } else {
-            take_step(ctx, body);
+            take_step(ctx, island);
             if (k + 1 == plan.iterations) return Outcome::converged;
-            norm = evaluate_elements(ctx, body, false);
+            norm = evaluate(ctx, island, false);
             watch.lap(ctx, Stage::elements);
         }
         if (!(norm < kOverflow)) return Outcome::not_finite;
@@ -171,67 +190,83 @@ void move_supports(Body& body, double part) {
 
 /// Takes the free vertices along where supports move, as the tangent at v0 has it: were they to stay behind, the elements at a support that moves far would be turned inside
 /// out before the first iteration. `part` as in move_supports().
-bool follow_supports(StepContext& ctx, Watch& watch, BodyId id, Body& body, double part, double floor) {
-    Workspace& w = body.work;
-    w.v_start = w.v0;
-    w.jump.resize(body.vertices());
-    move_supports(body, part);
+bool follow_supports(StepContext& ctx, Watch& watch, Island& island, double part, double floor) {
     double moved = 0;
-    for (std::size_t i = 0; i < body.vertices(); ++i) {
-        w.jump[i] = w.v0[i] - w.v_start[i];
-        moved = std::max(moved, w.jump[i].squaredNorm());
+    for (Member& member : island.members) {
+        Workspace& w = member.body->work;
+        w.v_start = w.v0;
+        w.jump.resize(w.v0.size());
+        move_supports(*member.body, part);
+        for (std::size_t i = 0; i < w.v0.size(); ++i) {
+            w.jump[i] = w.v0[i] - w.v_start[i];
+            moved = std::max(moved, w.jump[i].squaredNorm());
+        }
     }
     if (moved == 0) return true;
-    w.v0 = w.v_start;
+    for (Member& member : island.members) member.body->work.v0 = member.body->work.v_start;
     const auto linearised = [&](bool project) {
-        w.project = project;
-        if (!(evaluate_elements(ctx, body, false) < kOverflow)) return Solved::not_finite;
-        tangent_product(ctx, body, w.jump);
-        const double scale = stiffness_scale(ctx, body);
-        for (std::size_t i = 0; i < body.vertices(); ++i) w.b[i] -= scale * w.product[i];
-        assemble(ctx, body);
+        set_projection(island, project);
+        if (!(evaluate(ctx, island, false) < kOverflow)) return Solved::not_finite;
+        for (Member& member : island.members) {
+            Body& body = *member.body;
+            Workspace& w = body.work;
+            tangent_product(ctx, body, w.jump);
+            const double scale = stiffness_scale(ctx, body);
+            for (std::size_t i = 0; i < body.vertices(); ++i) w.b[i] -= scale * w.product[i];
+            assemble(ctx, body);
+        }
         watch.lap(ctx, Stage::assemble);
-        const Solved solved = solve_system(ctx, id, body, floor, kFollowing, false);
+        const Solved solved = solve_system(ctx, island, floor, kFollowing, false);
         watch.lap(ctx, Stage::solve);
         return solved;
     };
     Solved solved = linearised(false);
     if (solved == Solved::indefinite) solved = linearised(true);
     if (solved != Solved::yes) return false;
-    for (std::size_t i = 0; i < body.vertices(); ++i) w.v0[i] += w.jump[i] + w.dv[i];
+    for (Member& member : island.members) {
+        Workspace& w = member.body->work;
+        for (std::size_t i = 0; i < w.v0.size(); ++i) w.v0[i] += w.jump[i] + w.dv[i];
+    }
     return true;
 }
 
 /// Equilibrium by load steps: what the start lacks to balance is let in part by part, with the motion of the supports. The whole at once is tried
 /// first; a part that Newton does not manage is halved.
-bool find_equilibrium(StepContext& ctx, Watch& watch, BodyId id, Body& body, const NewtonPlan& plan, double floor) {
-    Workspace& w = body.work;
-    w.target_v = w.v0;
-    w.withheld = 0;
-    move_supports(body, 0);
-    if (!(evaluate_elements(ctx, body, false) < kOverflow)) return false;
-    w.unbalance = w.b;
+bool find_equilibrium(StepContext& ctx, Watch& watch, Island& island, const NewtonPlan& plan, double floor) {
+    const auto withhold = [&](double part) {
+        for (Member& member : island.members) member.body->work.withheld = part;
+    };
+    withhold(0);
+    for (Member& member : island.members) {
+        member.body->work.target_v = member.body->work.v0;
+        move_supports(*member.body, 0);
+    }
+    if (!(evaluate(ctx, island, false) < kOverflow)) return false;
+    for (Member& member : island.members) member.body->work.unbalance = member.body->work.b;
     double left = 1, part = 1;
     while (left > 0) {
-        w.v_good = w.v0;
+        for (Member& member : island.members) member.body->work.v_good = member.body->work.v0;
         const StepFlag flags = ctx.report.flags;
         const double next = std::max(0.0, left - part);
-        w.withheld = next;
+        withhold(next);
         Outcome outcome = Outcome::not_finite;
-        if (follow_supports(ctx, watch, id, body, 1 - next, floor)) outcome = iterate(ctx, watch, id, body, plan, floor);
+        if (follow_supports(ctx, watch, island, 1 - next, floor)) outcome = iterate(ctx, watch, island, plan, floor);
         if (outcome == Outcome::converged) {
             left = next;
             part = std::min(2 * part, left);
             continue;
         }
-        w.v0 = w.v_good;
+        for (Member& member : island.members) {
+            Body& body = *member.body;
+            body.work.v0 = body.work.v_good;
+            fem::seed_rotations(ctx.team, body.layout(), body.state.x, body.state.quaternion);
+        }
         ctx.report.flags = flags;  // what the solves of an attempt met with is of no account
-        fem::seed_rotations(ctx.team, body.layout(), body.state.x, body.state.quaternion);
         part /= 2;
         if (part < kSmallestLoadStep) {
             ctx.report.flags |= StepFlag::no_equilibrium;
-            w.withheld = 0;
-            return evaluate_elements(ctx, body, false) < kOverflow;
+            withhold(0);
+            return evaluate(ctx, island, false) < kOverflow;
         }
     }
     return true;
@@ -239,11 +274,11 @@ bool find_equilibrium(StepContext& ctx, Watch& watch, BodyId id, Body& body, con
 
 }  // namespace
 
-bool solve_step(StepContext& ctx, Watch& watch, BodyId id, Body& body, double floor) {
+bool solve_step(StepContext& ctx, Watch& watch, Island& island, double floor) {
     const NewtonPlan plan = plan_of(ctx.world.def.solver);
-    body.work.project = !plan.is_static;  // elsewhere than at rest the tangent of a prediction may be anything
-    if (plan.is_static) return find_equilibrium(ctx, watch, id, body, plan, floor);
-    const Outcome outcome = iterate(ctx, watch, id, body, plan, floor);
+    set_projection(island, !plan.is_static);  // elsewhere than at rest the tangent of a prediction may be anything
+    if (plan.is_static) return find_equilibrium(ctx, watch, island, plan, floor);
+    const Outcome outcome = iterate(ctx, watch, island, plan, floor);
     if (outcome == Outcome::cap) ctx.report.flags |= StepFlag::newton_cap;
     return outcome != Outcome::not_finite;
 }

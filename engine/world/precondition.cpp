@@ -193,25 +193,164 @@ void note_multigrid(Body& body, const solve::LinearSolveResult& result, bool aut
     if (m[kMemoryPending] == 0) ask_for_next(body);
 }
 
+/// The solves of one body alone.
 template <class Real>
-solve::LinearSolveResult run(StepContext& ctx, Body& body, System<Real>& system, solve::Preconditioner<Real>& preconditioner, std::span<const Vec3> b,
-                             std::span<const std::span<const Vec3>> guesses, const solve::LinearSolveDef& def,
-                             FunctionRef<void(const Vec3*, Vec3*)> true_residual) {
-    preconditioner.update(ctx.team, system.A, ctx.world.appended);
-    return system.solver.solve(ctx.team, system.A, ctx.world.appended, preconditioner, b, guesses, def, true_residual, body.work.dv, body.work.residual);
+struct LoneSolve {
+    StepContext& ctx;
+    Body& body;
+    System<Real>& system;
+    FunctionRef<void()> true_residual;
+
+    solve::LinearSolveResult run(solve::Preconditioner<Real>& preconditioner, std::span<const std::span<const Vec3>> guesses, const solve::LinearSolveDef& def) const {
+        preconditioner.update(ctx.team, system.A, ctx.world.appended);
+        system.solver.set_eliminated(ctx.world.eliminated);
+        const solve::SystemPart<Real> part{&system.A, &preconditioner, system.coupling.get(), 0};
+        return system.solver.solve(ctx.team, {&part, 1}, ctx.world.appended, body.work.free_rhs, guesses, def, [&](const Vec3*, Vec3*) { true_residual(); },
+                                   body.work.dv, body.work.residual);
+    }
+
+    /// Goes on from where `done` stopped.
+    void go_on(solve::Preconditioner<Real>& preconditioner, const solve::LinearSolveDef& def, solve::LinearSolveResult& done) const {
+        body.work.free_rhs = body.work.residual;
+        solve::LinearSolveDef rest = def;
+        rest.max_iterations = def.max_iterations - done.iterations;
+        if (rest.max_iterations <= 0) return;
+        const int before = done.iterations;
+        done = run(preconditioner, {}, rest);
+        done.iterations += before;
+    }
+};
+
+/// Nothing but block-Jacobi, or the factor, is at work, or can be.
+bool works_without_build(const Body& body) { return needs_no_build(kind_at_work(body)) || !body.preconditioner_fits || body.state.solver[kMemoryBroken] > 0; }
+
+template <class Real>
+void turn_lattice(StepContext& ctx, const Body& body, System<Real>& system) {
+    system.multigrid->turn(ctx.team, [&](std::int32_t id, double* q) { read_rotation(body, body.state.quaternion, id, q); });
 }
 
-/// Goes on from where `done` stopped.
 template <class Real>
-void go_on(StepContext& ctx, Body& body, System<Real>& system, solve::Preconditioner<Real>& preconditioner, const solve::LinearSolveDef& def,
-           FunctionRef<void(const Vec3*, Vec3*)> true_residual, solve::LinearSolveResult& done) {
-    body.work.free_rhs = body.work.residual;
-    solve::LinearSolveDef rest = def;
-    rest.max_iterations = def.max_iterations - done.iterations;
-    if (rest.max_iterations <= 0) return;
-    const int before = done.iterations;
-    done = run(ctx, body, system, preconditioner, body.work.free_rhs, {}, rest, true_residual);
-    done.iterations += before;
+solve::LinearSolveResult solve_alone(StepContext& ctx, Body& body, System<Real>& system, std::span<const std::span<const Vec3>> guesses, const solve::LinearSolveDef& def,
+                                     bool remember, FunctionRef<void()> true_residual) {
+    const bool automatic = ctx.world.def.solver.preconditioner == PreconditionerKind::automatic;
+    std::vector<std::int32_t>& memory = body.state.solver;
+    const LoneSolve<Real> solve{ctx, body, system, true_residual};
+    solve::LinearSolveResult result;
+    if (works_without_build(body)) {
+        result = solve.run(*system.preconditioner, guesses, def);
+        if (memory[kMemoryBroken] > 0) {
+            --memory[kMemoryBroken];
+        } else if (remember && automatic && kind_at_work(body) == PreconditionerKind::block_jacobi) {
+            note_jacobi(body, result.iterations);
+        }
+        return result;
+    }
+    const bool lattice = kind_at_work(body) == PreconditionerKind::lattice_multigrid;
+    if (lattice) turn_lattice(ctx, body, system);
+    if (!lattice) {
+        result = solve.run(*system.laplacian, guesses, def);
+    } else if (remember && automatic && memory[kMemoryTrial] == 0) {
+        solve::LinearSolveDef trial = def;
+        trial.max_iterations = std::min(def.max_iterations, kJacobiLimit);
+        result = solve.run(*system.preconditioner, guesses, trial);
+        memory[kMemoryTrial] = kTrialEvery;
+        if (result.converged) {
+            set_kind(body, PreconditionerKind::block_jacobi);
+            return result;
+        }
+        if (result.iterations < trial.max_iterations || result.out_of_time) return result;
+        solve.go_on(*system.multigrid, def, result);
+    } else {
+        result = solve.run(*system.multigrid, guesses, def);
+        if (!result.breakdown && !result.indefinite && remember) note_multigrid(body, result, automatic);
+    }
+    if (result.breakdown && !result.indefinite) {
+        ctx.report.flags |= StepFlag::preconditioner;
+        memory[kMemoryBroken] = kBrokenSolves;
+        solve.go_on(*system.preconditioner, def, result);
+    }
+    return result;
+}
+
+/// Vertex fields of all members in a row, and back.
+void collect(const Island& island, std::vector<Vec3> Workspace::* field, std::span<Vec3> all) {
+    for (const Member& m : island.members) std::copy((m.body->work.*field).begin(), (m.body->work.*field).end(), all.begin() + std::ptrdiff_t(m.first_row));
+}
+void hand_out(const Island& island, std::span<const Vec3> all, std::vector<Vec3> Workspace::* field) {
+    for (const Member& m : island.members) std::copy_n(all.begin() + std::ptrdiff_t(m.first_row), m.body->vertices(), (m.body->work.*field).begin());
+}
+
+template <class Real>
+solve::LinearSolveResult solve_together(StepContext& ctx, Island& island, JointSystem<Real>& joint, bool warm, const solve::LinearSolveDef& def, bool remember,
+                                        FunctionRef<void()> true_residual) {
+    const bool automatic = ctx.world.def.solver.preconditioner == PreconditionerKind::automatic;
+    joint.solver.resize(island.rows);
+    joint.solver.set_eliminated(ctx.world.eliminated);
+    for (auto* field : {&joint.b, &joint.x, &joint.residual}) field->assign(island.rows, Vec3::Zero());
+    collect(island, &Workspace::free_rhs, joint.b);
+    std::span<const Vec3> guesses[2];
+    for (std::size_t i = 0; warm && i < 2; ++i) {
+        joint.guess[i].resize(island.rows);
+        for (const Member& m : island.members) {
+            const std::vector<Vec3>& guess = i == 0 ? m.body->state.dv1 : m.body->state.dv2;
+            std::copy(guess.begin(), guess.end(), joint.guess[i].begin() + std::ptrdiff_t(m.first_row));
+        }
+        guesses[i] = joint.guess[i];
+    }
+    bool built = false;  // a preconditioner that may break down is at work
+    const auto set_parts = [&](bool simple) {
+        joint.parts.clear();
+        for (const Member& m : island.members) {
+            Body& body = *m.body;
+            System<Real>& system = std::get<System<Real>>(body.system);
+            solve::Preconditioner<Real>* preconditioner = system.preconditioner.get();
+            if (!simple && !works_without_build(body)) {
+                built = true;
+                if (kind_at_work(body) == PreconditionerKind::lattice_multigrid) {
+                    turn_lattice(ctx, body, system);
+                    preconditioner = system.multigrid.get();
+                } else {
+                    preconditioner = system.laplacian.get();
+                }
+            }
+            preconditioner->update(ctx.team, system.A, body.work.own_rows);
+            joint.parts.push_back({&system.A, preconditioner, system.coupling.get(), m.first_row});
+        }
+    };
+    const auto run = [&](std::span<const std::span<const Vec3>> from, const solve::LinearSolveDef& goal) {
+        return joint.solver.solve(ctx.team, joint.parts, ctx.world.appended, joint.b, from, goal,
+                                  [&](const Vec3*, Vec3*) {
+                                      hand_out(island, joint.x, &Workspace::dv);
+                                      true_residual();
+                                      collect(island, &Workspace::residual, joint.residual);
+                                  },
+                                  joint.x, joint.residual);
+    };
+    collect(island, &Workspace::dv, joint.x);
+    set_parts(false);
+    solve::LinearSolveResult result = run(std::span(guesses, warm ? 2 : 0), def);
+    for (const Member& m : island.members) {
+        std::int32_t& broken = m.body->state.solver[kMemoryBroken];
+        if (broken > 0) {
+            --broken;
+        } else if (remember && automatic && kind_at_work(*m.body) == PreconditionerKind::block_jacobi) {
+            note_jacobi(*m.body, result.iterations);
+        }
+    }
+    if (built && result.breakdown && !result.indefinite) {
+        ctx.report.flags |= StepFlag::preconditioner;
+        for (const Member& m : island.members) {
+            if (!needs_no_build(kind_at_work(*m.body))) m.body->state.solver[kMemoryBroken] = kBrokenSolves;
+        }
+        solve::LinearSolveDef rest = def;
+        rest.max_iterations = std::max(1, def.max_iterations - result.iterations);
+        joint.b = joint.residual;
+        set_parts(true);
+        const int before = result.iterations;
+        result = run({}, rest);
+        result.iterations += before;
+    }
+    return result;
 }
 
 }  // namespace
@@ -270,46 +409,21 @@ void prepare_preconditioner(StepContext& ctx, Body& body) {
     body.preconditioner_fits = good;
 }
 
-solve::LinearSolveResult solve_preconditioned(StepContext& ctx, Body& body, std::span<const std::span<const Vec3>> guesses,
-                                              const solve::LinearSolveDef& def, bool remember, FunctionRef<void(const Vec3*, Vec3*)> true_residual) {
-    const bool automatic = ctx.world.def.solver.preconditioner == PreconditionerKind::automatic;
-    std::vector<std::int32_t>& memory = body.state.solver;
+solve::LinearSolveResult solve_preconditioned(StepContext& ctx, Island& island, bool warm, const solve::LinearSolveDef& def, bool remember,
+                                              FunctionRef<void()> true_residual) {
+    World::Impl& world = ctx.world;
+    if (!island.alone()) {
+        if (world.def.solver.precision == Precision::single) {
+            if (!world.joint_single) world.joint_single = std::make_unique<JointSystem<float>>(world.isa);
+            return solve_together(ctx, island, *world.joint_single, warm, def, remember, true_residual);
+        }
+        if (!world.joint_double) world.joint_double = std::make_unique<JointSystem<double>>(world.isa);
+        return solve_together(ctx, island, *world.joint_double, warm, def, remember, true_residual);
+    }
+    Body& body = *island.members[0].body;
+    const std::span<const Vec3> guesses[2] = {body.state.dv1, body.state.dv2};
     solve::LinearSolveResult result;
-    with_system(body, [&](auto& system) {
-        const auto rotation = [&](std::int32_t id, double* q) { read_rotation(body, body.state.quaternion, id, q); };
-        std::span<const Vec3> b = body.work.free_rhs;
-        if (needs_no_build(kind_at_work(body)) || !body.preconditioner_fits || memory[kMemoryBroken] > 0) {
-            result = run(ctx, body, system, *system.preconditioner, b, guesses, def, true_residual);
-            if (memory[kMemoryBroken] > 0) {
-                --memory[kMemoryBroken];
-            } else if (remember && automatic && kind_at_work(body) == PreconditionerKind::block_jacobi) {
-                note_jacobi(body, result.iterations);
-            }
-            return;
-        }
-        const bool lattice = kind_at_work(body) == PreconditionerKind::lattice_multigrid;
-        if (lattice) system.multigrid->turn(ctx.team, rotation);
-        if (!lattice) {
-            result = run(ctx, body, system, *system.laplacian, b, guesses, def, true_residual);
-        } else if (remember && automatic && memory[kMemoryTrial] == 0) {
-            solve::LinearSolveDef trial = def;
-            trial.max_iterations = std::min(def.max_iterations, kJacobiLimit);
-            result = run(ctx, body, system, *system.preconditioner, b, guesses, trial, true_residual);
-            memory[kMemoryTrial] = kTrialEvery;
-            if (result.converged) return set_kind(body, PreconditionerKind::block_jacobi);
-            if (result.iterations < trial.max_iterations || result.out_of_time) return;
-            go_on(ctx, body, system, *system.multigrid, def, true_residual, result);
-        } else {
-            result = run(ctx, body, system, *system.multigrid, b, guesses, def, true_residual);
-            if (!result.breakdown && !result.indefinite && remember) note_multigrid(body, result, automatic);
-        }
-        if (result.indefinite) return;
-        if (result.breakdown) {
-            ctx.report.flags |= StepFlag::preconditioner;
-            memory[kMemoryBroken] = kBrokenSolves;
-            go_on(ctx, body, system, *system.preconditioner, def, true_residual, result);
-        }
-    });
+    with_system(body, [&](auto& system) { result = solve_alone(ctx, body, system, std::span(guesses, warm ? 2 : 0), def, remember, true_residual); });
     return result;
 }
 

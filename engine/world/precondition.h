@@ -34,9 +34,11 @@ void restart_preconditioner(Body& body, BodyState& state);
 /// Other coordinates are held than before. A hierarchy at work goes on without them while a new one is built beside the steps.
 void supports_have_changed(Body& body);
 
-/// Solves the body's system with its preconditioner, and goes on with block-Jacobi where that breaks down. 
-/// @param remember  its iterations, for the choices above: of the first solve of a step, which are alike from step to step
-solve::LinearSolveResult solve_preconditioned(StepContext& ctx, Body& body, std::span<const std::span<const Vec3>> guesses,
-                                              const solve::LinearSolveDef& def, bool remember, FunctionRef<void(const Vec3*, Vec3*)> true_residual);
+/// Solves an island's system, work.free_rhs for work.dv, each body with its preconditioner, and goes on with block-Jacobi where one breaks down.
+/// @param warm           starts from the best of zero and what the last steps suggest
+/// @param remember       its iterations, for the choices above: of the first solve of a step, which are alike from step to step
+/// @param true_residual  writes work.residual of all members for their work.dv
+solve::LinearSolveResult solve_preconditioned(StepContext& ctx, Island& island, bool warm, const solve::LinearSolveDef& def, bool remember,
+                                              FunctionRef<void()> true_residual);
 
 }  // namespace supple

@@ -10,7 +10,7 @@ namespace supple {
 namespace {
 
 constexpr std::uint64_t kMagic = 0x31504e53504c5053ULL;  // "SPLPSNP1", little-endian
-constexpr std::uint32_t kVersion = 5;
+constexpr std::uint32_t kVersion = 6;
 
 std::uint64_t checksum(std::span<const std::byte> bytes) {
     Hasher hasher;
@@ -73,10 +73,13 @@ Drag read_drag(ByteReader& in, const World::Impl& world) {
 void write(ByteWriter& out, const Attachment& a) {
     out.value(a.generation);
     if (a.generation == 0) return;
-    for (const std::uint32_t x : {a.def.body.index, a.def.body.generation, a.def.collider.index, a.def.collider.generation}) out.value(x);
+    for (const std::uint32_t x : {a.def.body.index, a.def.body.generation, a.def.collider.index, a.def.collider.generation, a.def.other.index, a.def.other.generation}) out.value(x);
     out.value(a.def.vertices);
     out.value(a.def.weights);
     out.value(a.corners);
+    out.value(a.def.other_vertices);
+    out.value(a.def.other_weights);
+    out.value(a.others);
     out.value(a.broken);
     for (const double x : {a.def.stiffness_n_m, a.def.max_force_n}) out.value(x);
     for (const Vec3* v : {&a.anchor, &a.force}) out.value(std::array{(*v)[0], (*v)[1], (*v)[2]});
@@ -86,10 +89,14 @@ Attachment read_attachment(ByteReader& in, const World::Impl& world) {
     Attachment a;
     a.generation = in.value<std::uint32_t>("attachment");
     if (a.generation == 0) return a;
-    for (std::uint32_t* x : {&a.def.body.index, &a.def.body.generation, &a.def.collider.index, &a.def.collider.generation}) *x = in.value<std::uint32_t>("attachment");
+    for (std::uint32_t* x : {&a.def.body.index, &a.def.body.generation, &a.def.collider.index, &a.def.collider.generation, &a.def.other.index, &a.def.other.generation})
+        *x = in.value<std::uint32_t>("attachment");
     a.def.vertices = in.value<std::array<std::int32_t, 4>>("attachment");
     a.def.weights = in.value<std::array<double, 4>>("attachment");
     a.corners = in.value<std::int32_t>("attachment");
+    a.def.other_vertices = in.value<std::array<std::int32_t, 4>>("attachment");
+    a.def.other_weights = in.value<std::array<double, 4>>("attachment");
+    a.others = in.value<std::int32_t>("attachment");
     a.broken = in.value<std::int32_t>("attachment");
     for (double* x : {&a.def.stiffness_n_m, &a.def.max_force_n}) *x = in.value<double>("attachment");
     for (Vec3* v : {&a.anchor, &a.force}) {
@@ -97,12 +104,13 @@ Attachment read_attachment(ByteReader& in, const World::Impl& world) {
         *v = Vec3(xyz[0], xyz[1], xyz[2]);
     }
     const auto wrong = [] { throw Error(ErrorCode::corrupt_snapshot, "snapshot", "an attachment does not fit the bodies and colliders of this world"); };
-    const bool body_lives = std::any_of(world.order.begin(), world.order.end(), [&](std::uint32_t slot) { return a.def.body == BodyId{slot, world.slots[slot].generation}; });
-    if (!body_lives || a.corners < 1 || a.corners > 4) wrong();
-    const std::size_t n = world.body(a.def.body).vertices();
-    for (std::size_t k = 0; k < std::size_t(a.corners); ++k) {
-        if (a.def.vertices[k] < 0 || std::size_t(a.def.vertices[k]) >= n) wrong();
-    }
+    const auto fits = [&](BodyId id, const std::array<std::int32_t, 4>& vertices, std::int32_t corners) {
+        const bool lives = std::any_of(world.order.begin(), world.order.end(), [&](std::uint32_t slot) { return id == BodyId{slot, world.slots[slot].generation}; });
+        if (!lives || corners < 1 || corners > 4) return false;
+        const std::size_t n = world.body(id).vertices();
+        return std::all_of(vertices.begin(), vertices.begin() + corners, [&](std::int32_t v) { return v >= 0 && std::size_t(v) < n; });
+    };
+    if (!fits(a.def.body, a.def.vertices, a.corners) || (a.def.other && !fits(a.def.other, a.def.other_vertices, a.others))) wrong();
     if (a.def.collider && (a.def.collider.index >= world.colliders.size() || world.colliders[a.def.collider.index].generation != a.def.collider.generation)) wrong();
     return a;
 }

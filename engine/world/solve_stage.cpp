@@ -45,59 +45,89 @@ void predict(StepContext& ctx, const Body& body, Drag& drag) {
     if (drag.capped) drag.predicted *= drag.max_force / drag.predicted.norm();
 }
 
-/// The springs' forces with v0, and the rows of springs below their cap and of contacts.
-void append_touch(StepContext& ctx, BodyId id, Body& body) {
-    const double h = body.work.h;
-    ctx.world.appended.clear();
-    for_drags_of(ctx.world, id, [&](Drag& drag) {
-        predict(ctx, body, drag);
-        if (!drag.capped) ctx.world.appended.push_back({drag.vertex, drag.masked, h * (h * drag.stiffness + damping(ctx, drag)) * Mat3::Identity()});
-    });
-    append_contacts(ctx, body);
+/// A row of the system of a member's own vertices.
+void append_own(StepContext& ctx, Island& island, Member& member, std::span<const std::int32_t> vertex, std::vector<std::int32_t>& row, std::span<const Vec3> weight, const Mat3& K) {
+    if (island.alone()) {
+        ctx.world.appended.push_back({vertex, weight, K});
+        return;
+    }
+    row.resize(vertex.size());
+    for (std::size_t i = 0; i < row.size(); ++i) row[i] = std::int32_t(member.first_row) + vertex[i];
+    ctx.world.appended.push_back({row, weight, K});
+    member.body->work.own_rows.push_back({vertex, weight, K});
 }
 
-/// r += h times the forces of springs and contacts: at the solution dv, or where v0 stands.
-void add_touch(StepContext& ctx, BodyId id, Body& body, bool at_solution, Vec3* r) {
-    const double h = body.work.h;
-    for_drags_of(ctx.world, id, [&](Drag& drag) {
-        Vec3 force = drag.predicted;
-        if (at_solution && !drag.capped) force -= (h * drag.stiffness + damping(ctx, drag)) * drag.mean(body.work.dv);
-        for (std::size_t i = 0; i < drag.vertex.size(); ++i) r[std::size_t(drag.vertex[i])] += h * drag.weight[i] * force;
-    });
-    if (at_solution) solve_colliders(ctx, body);
-    add_contact_forces(ctx, body, at_solution, r);
+/// The springs' forces with v0, and the rows of springs below their cap and of contacts.
+void append_touch(StepContext& ctx, Island& island) {
+    ctx.world.appended.clear();
+    for (Member& member : island.members) {
+        Body& body = *member.body;
+        const double h = body.work.h;
+        member.body->work.own_rows.clear();
+        for_drags_of(ctx.world, member.id, [&](Drag& drag) {
+            predict(ctx, body, drag);
+            if (drag.capped) return;
+            append_own(ctx, island, member, drag.vertex, drag.row, drag.masked, h * (h * drag.stiffness + damping(ctx, drag)) * Mat3::Identity());
+        });
+    }
+    append_contacts(ctx, island);
+}
+
+/// field += h times the forces of springs and contacts: at the solution dv, or where v0 stands.
+void add_touch(StepContext& ctx, Island& island, bool at_solution, std::vector<Vec3> Workspace::* field) {
+    for (Member& member : island.members) {
+        Workspace& w = member.body->work;
+        std::vector<Vec3>& r = w.*field;
+        for_drags_of(ctx.world, member.id, [&](Drag& drag) {
+            Vec3 force = drag.predicted;
+            if (at_solution && !drag.capped) force -= (w.h * drag.stiffness + damping(ctx, drag)) * drag.mean(w.dv);
+            for (std::size_t i = 0; i < drag.vertex.size(); ++i) r[std::size_t(drag.vertex[i])] += w.h * drag.weight[i] * force;
+        });
+    }
+    if (at_solution) solve_colliders(ctx);
+    add_contact_forces(ctx, island, at_solution, field);
 }
 
 /// After a solve: a spring that ended above its cap becomes a load. True if one did, so that the solve must be repeated.
-bool cap_drags(StepContext& ctx, BodyId id, Body& body) {
-    const double h = body.work.h;
+bool cap_drags(StepContext& ctx, Island& island) {
     bool changed = false;
-    for_drags_of(ctx.world, id, [&](Drag& drag) {
-        if (drag.capped) return;
-        const Vec3 end = drag.predicted - (h * drag.stiffness + damping(ctx, drag)) * drag.mean(body.work.dv);
-        if (!over_cap(drag, end)) return;
-        drag.predicted = end * (drag.max_force / end.norm());
-        drag.capped = changed = true;
-    });
+    for (Member& member : island.members) {
+        const Workspace& w = member.body->work;
+        for_drags_of(ctx.world, member.id, [&](Drag& drag) {
+            if (drag.capped) return;
+            const Vec3 end = drag.predicted - (w.h * drag.stiffness + damping(ctx, drag)) * drag.mean(w.dv);
+            if (!over_cap(drag, end)) return;
+            drag.predicted = end * (drag.max_force / end.norm());
+            drag.capped = changed = true;
+        });
+    }
     return changed;
 }
 
-/// r = what the equation lacks at dv in float64, matrix-free, zero where held; what is left over there is the supports' reaction.
-void true_residual(StepContext& ctx, BodyId id, Body& body, Vec3* r) {
-    const double mass = mass_scale(ctx, body), stiffness = stiffness_scale(ctx, body), inv_h = 1 / body.work.h;
-    Workspace& w = body.work;
-    tangent_product(ctx, body, w.dv);
-    ctx.team.for_range(body.vertices(), kRowChunk, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) r[i] = w.bare[i] = w.b[i] - mass * body.mass[i] * w.dv[i] - stiffness * w.product[i];
-    });
-    add_touch(ctx, id, body, true, r);
-    ctx.team.for_range(body.vertices(), kRowChunk, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) {
-            const Vec3 free = free_part(body, i, r[i]);
-            body.state.reaction[i] = -inv_h * (r[i] - free);
-            r[i] = free;
-        }
-    });
+/// residual = what the equation lacks at dv in float64, matrix-free, zero where held; what is left over there is the supports' reaction.
+void true_residual(StepContext& ctx, Island& island) {
+    for (Member& member : island.members) {
+        Body& body = *member.body;
+        const double mass = mass_scale(ctx, body), stiffness = stiffness_scale(ctx, body);
+        Workspace& w = body.work;
+        tangent_product(ctx, body, w.dv);
+        ctx.team.for_range(body.vertices(), kRowChunk, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) w.residual[i] = w.bare[i] = w.b[i] - mass * body.mass[i] * w.dv[i] - stiffness * w.product[i];
+        });
+    }
+    add_touch(ctx, island, true, &Workspace::residual);
+    for (Member& member : island.members) {
+        Body& body = *member.body;
+        Workspace& w = body.work;
+        const double inv_h = 1 / w.h;
+        ctx.team.for_range(body.vertices(), kRowChunk, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) {
+                const Vec3 free = free_part(body, i, w.residual[i]);
+                body.state.reaction[i] = -inv_h * (w.residual[i] - free);
+                w.residual[i] = free;
+            }
+        });
+    }
 }
 
 /// Norm of the free part of a vertex field; `also(i)` runs for each vertex on the way.
@@ -118,21 +148,27 @@ double free_norm(StepContext& ctx, Body& body, const std::vector<Vec3>& field) {
     return free_norm(ctx, body, field, [](std::size_t, const Vec3&) {});
 }
 
-/// Stops a body whose forces balance to within `floor` even when it stands still: it would creep on at a speed that no solve is asked to
+double free_norm(StepContext& ctx, Island& island, std::vector<Vec3> Workspace::* field) {
+    return norm_of(island, [&](Body& body) { return free_norm(ctx, body, body.work.*field); });
+}
+
+/// Stops bodies whose forces balance to within `floor` even when they stand still: they would creep on at a speed that no solve is asked to
 /// remove, and drift back above the floor. True if dv and its true residual are set so.
-bool comes_to_rest(StepContext& ctx, BodyId id, Body& body, double rhs_norm, double floor) {
+bool comes_to_rest(StepContext& ctx, Island& island, double rhs_norm, double floor) {
     if (!(rhs_norm <= 2 * floor) || is_static(ctx)) return false;
-    Workspace& w = body.work;
-    for (std::size_t i = 0; i < body.vertices(); ++i) w.dv[i] = -free_part(body, i, w.v0[i]);
-    true_residual(ctx, id, body, w.residual.data());
-    if (free_norm(ctx, body, w.residual) <= floor) return true;
-    std::fill(w.dv.begin(), w.dv.end(), Vec3::Zero());
+    for (Member& member : island.members) {
+        Workspace& w = member.body->work;
+        for (std::size_t i = 0; i < member.body->vertices(); ++i) w.dv[i] = -free_part(*member.body, i, w.v0[i]);
+    }
+    true_residual(ctx, island);
+    if (free_norm(ctx, island, &Workspace::residual) <= floor) return true;
+    for (Member& member : island.members) std::fill(member.body->work.dv.begin(), member.body->work.dv.end(), Vec3::Zero());
     return false;
 }
 
-void report_solve(StepContext& ctx, Body& body, const solve::LinearSolveResult& result, double scale) {
+void report_solve(StepContext& ctx, Island& island, const solve::LinearSolveResult& result, double scale) {
     // Below what rounding leaves of forces in balance there is nothing to be had by any precision.
-    if (result.stalled && result.residual > rounding_residual(ctx, body)) ctx.report.flags |= StepFlag::residual_stalled;
+    if (result.stalled && result.residual > rounding_residual(ctx, island)) ctx.report.flags |= StepFlag::residual_stalled;
     if (result.out_of_time) {
         ctx.report.flags |= StepFlag::budget;
     } else if (!result.converged && !result.stalled) {
@@ -143,49 +179,57 @@ void report_solve(StepContext& ctx, Body& body, const solve::LinearSolveResult& 
 
 }  // namespace
 
-double resting_residual(StepContext& ctx, Body& body) {
-    return std::min(1e-7, ctx.world.def.solver.cg_relative_tolerance) * body.work.h * free_norm(ctx, body, body.work.f_ext);
+double resting_residual(StepContext& ctx, Island& island) {
+    return std::min(1e-7, ctx.world.def.solver.cg_relative_tolerance) * norm_of(island, [&](Body& body) { return body.work.h * free_norm(ctx, body, body.work.f_ext); });
 }
 
-double static_scale(StepContext& ctx, Body& body) {
-    Workspace& w = body.work;
-    const double held = std::sqrt(solve::sum_over_rows(ctx.team, body.vertices(), w.partial, [&](std::size_t begin, std::size_t end) {
-        double sum = 0;
-        for (std::size_t i = begin; i < end; ++i) sum += (w.b[i] - free_part(body, i, w.b[i])).squaredNorm();
-        return sum;
-    }));
-    return std::max(held, w.h * free_norm(ctx, body, w.f_ext));
+double static_scale(StepContext& ctx, Island& island) {
+    const double held = norm_of(island, [&](Body& body) {
+        const Workspace& w = body.work;
+        return std::sqrt(solve::sum_over_rows(ctx.team, body.vertices(), body.work.partial, [&](std::size_t begin, std::size_t end) {
+            double sum = 0;
+            for (std::size_t i = begin; i < end; ++i) sum += (w.b[i] - free_part(body, i, w.b[i])).squaredNorm();
+            return sum;
+        }));
+    });
+    return std::max(held, norm_of(island, [&](Body& body) { return body.work.h * free_norm(ctx, body, body.work.f_ext); }));
 }
 
-double rounding_residual(StepContext& ctx, Body& body) {
+double rounding_residual(StepContext& ctx, Island& island) {
     constexpr double kEpsilon = 2.3e-16;
-    Workspace& w = body.work;
     const bool inertia = !is_static(ctx);
-    return kEpsilon * std::sqrt(solve::sum_over_rows(ctx.team, body.vertices(), w.partial, [&](std::size_t begin, std::size_t end) {
-               double sum = 0;
-               for (std::size_t i = begin; i < end; ++i) {
-                   Vec3 size = w.f_ext[i].cwiseAbs() + body.stiffness_trace[i] * w.base_x[i].cwiseAbs();
-                   size *= w.h;
-                   if (inertia) size += body.mass[i] * (w.v0[i].cwiseAbs() + w.base_v[i].cwiseAbs());
-                   sum += free_part(body, i, size).squaredNorm();
-               }
-               return sum;
-           }));
+    return kEpsilon * norm_of(island, [&](Body& body) {
+               const Workspace& w = body.work;
+               return std::sqrt(solve::sum_over_rows(ctx.team, body.vertices(), body.work.partial, [&](std::size_t begin, std::size_t end) {
+                   double sum = 0;
+                   for (std::size_t i = begin; i < end; ++i) {
+                       Vec3 size = w.f_ext[i].cwiseAbs() + body.stiffness_trace[i] * w.base_x[i].cwiseAbs();
+                       size *= w.h;
+                       if (inertia) size += body.mass[i] * (w.v0[i].cwiseAbs() + w.base_v[i].cwiseAbs());
+                       sum += free_part(body, i, size).squaredNorm();
+                   }
+                   return sum;
+               }));
+           });
 }
 
-double residual_with_touch(StepContext& ctx, BodyId id, Body& body) {
-    for_drags_of(ctx.world, id, [&](Drag& drag) { predict(ctx, body, drag); });
-    move_contacts(ctx, body);
-    body.work.rhs = body.work.b;
-    add_touch(ctx, id, body, false, body.work.rhs.data());
-    return free_norm(ctx, body, body.work.rhs);
+double residual_with_touch(StepContext& ctx, Island& island) {
+    for (Member& member : island.members) {
+        for_drags_of(ctx.world, member.id, [&](Drag& drag) { predict(ctx, *member.body, drag); });
+        member.body->work.rhs = member.body->work.b;
+    }
+    move_contacts(ctx, island);
+    add_touch(ctx, island, false, &Workspace::rhs);
+    return free_norm(ctx, island, &Workspace::rhs);
 }
 
-void begin_touch(StepContext& ctx, BodyId id, Body& body) {
-    for_drags_of(ctx.world, id, [](Drag& drag) { drag.capped = false; });
-    std::fill(body.work.dv.begin(), body.work.dv.end(), Vec3::Zero());
+void begin_touch(StepContext& ctx, std::span<Member> members) {
+    for (Member& member : members) {
+        for_drags_of(ctx.world, member.id, [](Drag& drag) { drag.capped = false; });
+        std::fill(member.body->work.dv.begin(), member.body->work.dv.end(), Vec3::Zero());
+    }
     rest_colliders(ctx);
-    find_contacts(ctx, id, body);
+    find_contacts(ctx, members);
 }
 
 void drop_drags(World::Impl& world, BodyId id) {
@@ -195,62 +239,65 @@ void drop_drags(World::Impl& world, BodyId id) {
 namespace {
 
 /// After a solve: what it has led to is what it was told. If not, contacts and springs have been told anew, and it must be repeated from where it is.
-bool touch_agrees(StepContext& ctx, BodyId id, Body& body, TouchRounds& rounds) {
+bool touch_agrees(StepContext& ctx, Island& island, TouchRounds& rounds) {
     const bool last = ++rounds.solves >= ctx.world.def.solver.contact_iterations;
-    const bool capped = cap_drags(ctx, id, body);
-    const ContactCheck check = update_contacts(ctx, body, rounds.raises > 0, last && !capped);
+    const bool capped = cap_drags(ctx, island);
+    const ContactCheck check = update_contacts(ctx, island, rounds.raises > 0, last && !capped);
     if (check.raised) --rounds.raises;
     if (last && !capped) {
         if (check.error > kWorstContacts) ctx.report.flags |= StepFlag::contact_cap;
         return true;
     }
     if (capped || !check.agrees) return false;
-    if (rounds.searches == 0 || !contacts_are_stale(ctx, body)) return true;
+    if (rounds.searches == 0 || !contacts_are_stale(ctx, island)) return true;
     --rounds.searches;
-    find_contacts(ctx, id, body);
+    find_contacts(ctx, island.members);
     return false;
 }
 
 }  // namespace
 
-Solved solve_system(StepContext& ctx, BodyId id, Body& body, double floor, double tolerance, bool first) {
+Solved solve_system(StepContext& ctx, Island& island, double floor, double tolerance, bool first) {
     const SolverDef& def = ctx.world.def.solver;
-    Workspace& w = body.work;
-    std::fill(w.dv.begin(), w.dv.end(), Vec3::Zero());
+    for (Member& member : island.members) std::fill(member.body->work.dv.begin(), member.body->work.dv.end(), Vec3::Zero());
     rest_colliders(ctx);
-    if (!first || is_static(ctx)) find_contacts(ctx, id, body);  // begin_touch did, and v0 stands there still
+    if (!first || is_static(ctx)) find_contacts(ctx, island.members);  // begin_touch did, and v0 stands there still
     TouchRounds rounds;
     solve::LinearSolveDef solve_def;
     double rhs_norm = 0;
     for (bool again = false;; again = true) {
-        append_touch(ctx, id, body);
-        std::vector<Vec3>& missing = again ? w.residual : w.rhs;  // rhs stays that of v0: line searches ask for it
-        missing = again ? w.bare : w.b;
-        add_touch(ctx, id, body, true, missing.data());
-        const double norm = free_norm(ctx, body, missing, [&](std::size_t i, const Vec3& free) { w.free_rhs[i] = free; });
+        append_touch(ctx, island);
+        const auto missing = again ? &Workspace::residual : &Workspace::rhs;  // rhs stays that of v0: line searches ask for it
+        for (Member& member : island.members) {
+            Workspace& w = member.body->work;
+            w.*missing = again ? w.bare : w.b;
+        }
+        add_touch(ctx, island, true, missing);
+        const double norm = norm_of(island, [&](Body& body) {
+            Workspace& w = body.work;
+            return free_norm(ctx, body, w.*missing, [&](std::size_t i, const Vec3& free) { w.free_rhs[i] = free; });
+        });
         if (!again) {
             rhs_norm = norm;
             // Once above the floor, well below it: or the next step would be above it again.
             solve_def.target = std::max(tolerance * rhs_norm, rhs_norm > floor ? 0.3 * floor : floor);
             solve_def.max_iterations = def.cg_max_iterations;
             solve_def.deadline_ns = ctx.deadline_ns;
-            solve_def.only_definite = !w.project;
+            solve_def.only_definite = !island.members[0].body->work.project;
         }
-        const std::span<const Vec3> guesses[2] = {body.state.dv1, body.state.dv2};
         const bool warm = first && !again && !is_static(ctx);
         solve::LinearSolveResult result;
-        if (!again && comes_to_rest(ctx, id, body, rhs_norm, floor)) {
+        if (!again && comes_to_rest(ctx, island, rhs_norm, floor)) {
             result.converged = true;
-            result.residual = free_norm(ctx, body, w.residual);
+            result.residual = free_norm(ctx, island, &Workspace::residual);
         } else {
-            result = solve_preconditioned(ctx, body, std::span(guesses, warm ? 2 : 0), solve_def, first && !again,
-                                          [&](const Vec3*, Vec3* r) { true_residual(ctx, id, body, r); });
+            result = solve_preconditioned(ctx, island, warm, solve_def, first && !again, [&] { true_residual(ctx, island); });
         }
         ctx.report.cg_iterations += result.iterations;
         if (result.indefinite) return Solved::indefinite;
         if (!std::isfinite(result.residual)) return Solved::not_finite;
-        report_solve(ctx, body, result, std::max(rhs_norm, floor / tolerance));
-        if (result.out_of_time || touch_agrees(ctx, id, body, rounds)) return Solved::yes;
+        report_solve(ctx, island, result, std::max(rhs_norm, floor / tolerance));
+        if (result.out_of_time || touch_agrees(ctx, island, rounds)) return Solved::yes;
         ++ctx.report.contact_iterations;
     }
 }

@@ -111,11 +111,13 @@ void assemble(StepContext& ctx, Body& body) {
     });
 }
 
-bool integrate(StepContext& ctx, BodyId id, Body& body) {
-    Workspace& w = body.work;
+namespace {
+
+bool is_finite(StepContext& ctx, Body& body) {
+    const Workspace& w = body.work;
     const auto end = [&](std::size_t i) -> Vec3 { return w.base_x[i] + w.h * w.v0[i]; };
     const Vec3 first = end(0);
-    const double spread = solve::sum_over_rows(ctx.team, body.vertices(), w.partial, [&](std::size_t begin, std::size_t last) {
+    const double spread = solve::sum_over_rows(ctx.team, body.vertices(), body.work.partial, [&](std::size_t begin, std::size_t last) {
         double sum = 0;
         // The second term only makes a velocity that float64 cannot square count as blown up, wherever the body is.
         for (std::size_t i = begin; i < last; ++i) sum += (end(i) - first).squaredNorm() + 1e-300 * w.v0[i].squaredNorm();
@@ -123,11 +125,21 @@ bool integrate(StepContext& ctx, BodyId id, Body& body) {
     });
     const MeshReport& rest = body.data().report;
     const double limit = kBlownUp * (rest.max_m - rest.min_m).norm();
-    if (!first.allFinite() || !(spread <= limit * limit * double(body.vertices()))) return false;
-    end_scheme(ctx, body);
-    body.stress.valid = false;
-    read_drags(ctx.world, id, body);
-    read_contacts(ctx, id, body);
+    return first.allFinite() && spread <= limit * limit * double(body.vertices());
+}
+
+}  // namespace
+
+bool integrate(StepContext& ctx, Island& island) {
+    for (const Member& member : island.members) {
+        if (!is_finite(ctx, *member.body)) return false;
+    }
+    for (const Member& member : island.members) {
+        read_contacts(ctx, member.id, *member.body);
+        end_scheme(ctx, *member.body);
+        member.body->stress.valid = false;
+        read_drags(ctx.world, member.id, *member.body);
+    }
     return true;
 }
 

@@ -1,11 +1,13 @@
 #pragma once
+#include <cmath>
+
 #include "supple/base/clock.h"
 #include "supple/fem/element_passes.h"
 #include "supple/world/impl.h"
 
 namespace supple {
 
-/// The stages of a step, on one body. With the scheme x = base_x + h v of time_scheme.cpp and v0 the velocity that Newton has reached (at first that of
+/// The stages of a step, on one body or on an island of them, whose system is one. With the scheme x = base_x + h v of time_scheme.cpp and v0 the velocity that Newton has reached (at first that of
 /// the last step, held coordinates at their target), y = base_x + h v0:
 ///     [(1 + h alpha) M + (h^2 + h beta) K(y)] dv = h (f(y) + f_ext - C v0) - M (v0 - base_v),      C = alpha M + beta K(y),
 /// then v0 += dv. Held coordinates have dv = 0; what the equation lacks there is the support's reaction times h.
@@ -23,37 +25,49 @@ void gather_loads(StepContext& ctx, Body& body, double time_s);
 void begin_scheme(StepContext& ctx, Body& body);
 /// Velocities and positions at the end of the step, history.
 void end_scheme(StepContext& ctx, Body& body);
-/// Newton's iteration from v0 to the step's solution, or to where its limits end it (reported). False if the body has blown up.
-bool solve_step(StepContext& ctx, Watch& watch, BodyId id, Body& body, double floor);
+/// Newton's iteration from v0 to the step's solution, or to where its limits end it (reported). False if a body has blown up.
+bool solve_step(StepContext& ctx, Watch& watch, Island& island, double floor);
 
 /// Element rotations, forces, records; then the right-hand side b. Returns |b| over free coordinates; not finite if the body has blown up.
 double evaluate_elements(StepContext& ctx, Body& body, bool at_current);
 void assemble(StepContext& ctx, Body& body);
 /// Norm of the right-hand side below which a body rests: a ten-millionth of its loads needs no solving, less where the tolerance asks for less.
-double resting_residual(StepContext& ctx, Body& body);
+double resting_residual(StepContext& ctx, Island& island);
 /// Right-hand side rhs at v0 with the forces of drag springs and contacts; its norm over free coordinates.
-double residual_with_touch(StepContext& ctx, BodyId id, Body& body);
+double residual_with_touch(StepContext& ctx, Island& island);
 /// What a static residual is compared with: the loads, or the reactions where they are larger (times h).
-double static_scale(StepContext& ctx, Body& body);
+double static_scale(StepContext& ctx, Island& island);
 /// Norm over free coordinates that rounding alone leaves of a right-hand side in balance: of the positions that forces are made from (an error of eps |x| in x is one of eps K |x|), of loads and momenta.
-double rounding_residual(StepContext& ctx, Body& body);
+double rounding_residual(StepContext& ctx, Island& island);
 enum class Solved { yes, not_finite, indefinite };
 /// Drag springs, contacts and dv, to `tolerance` of the right-hand side. A tangent that was not projected (work.project) may turn out to be indefinite.
 /// @param first  of the step: with warm starts, and remembered by the choice of preconditioner
-Solved solve_system(StepContext& ctx, BodyId id, Body& body, double floor, double tolerance, bool first);
-/// The new state, if it is finite; if not, false and nothing has changed.
-bool integrate(StepContext& ctx, BodyId id, Body& body);
+Solved solve_system(StepContext& ctx, Island& island, double floor, double tolerance, bool first);
+/// The new state of all members, if it is finite; if not, false and nothing has changed.
+bool integrate(StepContext& ctx, Island& island);
 /// The body stays where the step found it, takes no further part, and is reported.
 void contain(StepContext& ctx, BodyId id, Body& body);
 
-/// The touch of a body at the start of a step: no drag spring at its cap, the contacts around v0.
-void begin_touch(StepContext& ctx, BodyId id, Body& body);
+/// The touch at the start of a step: no drag spring at its cap, the contacts around v0 with colliders and with one another.
+void begin_touch(StepContext& ctx, std::span<Member> members);
 /// The drag springs' forces at the new positions; no force on a body that is contained.
 void read_drags(World::Impl& world, BodyId id, Body& body);
 void drop_drags(World::Impl& world, BodyId id);
 
 /// Rebuilds what depends on which coordinates are held. Allocates: the first step after an edit.
 void refresh_supports(World::Impl& world, BodyId id, Body& body);
+
+/// Norm of what has a norm in every body.
+template <class Of>
+double norm_of(Island& island, Of&& of) {
+    if (island.alone()) return of(*island.members[0].body);
+    double square = 0;
+    for (Member& member : island.members) {
+        const double norm = of(*member.body);
+        square += norm * norm;
+    }
+    return std::sqrt(square);
+}
 
 // -- shared by the stages ---------------------------------------------------------------------------
 

@@ -9,22 +9,52 @@ namespace supple {
 
 namespace {
 
-void step_body(StepContext& ctx, Watch& watch, BodyId id, Body& body) {
-    begin_scheme(ctx, body);
-    gather_loads(ctx, body, ctx.time_s);  // after the trapezoidal rule has looked at the loads of the start
-    const double floor = resting_residual(ctx, body);
+/// One step of an island, up to its new state. False if a body has blown up, and nothing has changed.
+bool move_island(StepContext& ctx, Watch& watch, Island& island) {
+    const double floor = resting_residual(ctx, island);
     watch.lap(ctx, Stage::loads);
-    begin_touch(ctx, id, body);
-    watch.lap(ctx, Stage::contact);
-    prepare_preconditioner(ctx, body);
+    for (Member& member : island.members) prepare_preconditioner(ctx, *member.body);
     watch.lap(ctx, Stage::solve);
-    const bool finite = solve_step(ctx, watch, id, body, floor) && integrate(ctx, id, body);
-    if (!finite) contain(ctx, id, body);
-    watch.lap(ctx, Stage::integrate);
-    if (finite && body.elements->is_plastic()) {
-        body.elements->flow(ctx.team, body.state.x.data()->data(), body.state.quaternion.data(), body.state.plastic.data(), ctx.world.def.time_step_s);
-        watch.lap(ctx, Stage::plasticity);
+    return solve_step(ctx, watch, island, floor) && integrate(ctx, island);
+}
+
+void begin_body(StepContext& ctx, Member& member) {
+    begin_scheme(ctx, *member.body);
+    gather_loads(ctx, *member.body, ctx.time_s);  // after the trapezoidal rule has looked at the loads of the start
+}
+
+/// Each member by itself, as if it touched no other: the one that blew up is found so, and the others go on.
+void part_island(StepContext& ctx, Watch& watch, Island& island) {
+    for (Member& member : island.members) undo_contacts(ctx, *member.body);
+    Island lone;
+    lone.members.resize(1);
+    for (Member& member : island.members) {
+        fem::seed_rotations(ctx.team, member.body->layout(), member.body->state.x, member.body->state.quaternion);
+        lone.members[0] = {member.id, member.body, 0};
+        lone.rows = member.body->vertices();
+        begin_body(ctx, lone.members[0]);
+        begin_touch(ctx, lone.members);
+        if (!move_island(ctx, watch, lone)) contain(ctx, member.id, *member.body);
     }
+}
+
+void step_island(StepContext& ctx, Watch& watch, Island& island) {
+    if (!move_island(ctx, watch, island)) {
+        if (island.alone()) {
+            contain(ctx, island.members[0].id, *island.members[0].body);
+        } else {
+            part_island(ctx, watch, island);
+        }
+    }
+    watch.lap(ctx, Stage::integrate);
+    bool plastic = false;
+    for (Member& member : island.members) {
+        Body& body = *member.body;
+        if (body.frozen() || !body.elements->is_plastic()) continue;
+        body.elements->flow(ctx.team, body.state.x.data()->data(), body.state.quaternion.data(), body.state.plastic.data(), ctx.world.def.time_step_s);
+        plastic = true;
+    }
+    if (plastic) watch.lap(ctx, Stage::plasticity);
 }
 
 }  // namespace
@@ -35,15 +65,12 @@ StepReport do_step(World::Impl& world) noexcept {
     const std::int64_t start_ns = now_ns();
     std::size_t largest = 0;
     double total = 0, done = 0;
-    for (const std::uint32_t slot : world.order) {
-        const std::size_t elements = world.slots[slot].body->element_count();
-        total += double(elements);
-        largest = std::max(largest, elements);
-    }
+    for (const std::uint32_t slot : world.order) largest = std::max(largest, world.slots[slot].body->element_count());
 
     StepContext ctx{world.team_for(largest), world, report, double(world.step + 1) * world.def.time_step_s};
     begin_colliders(ctx);
     watch.lap(ctx, Stage::contact);
+    world.active.clear();
     for (const std::uint32_t slot : world.order) {
         Body& body = *world.slots[slot].body;
         const BodyId id{slot, world.slots[slot].generation};
@@ -54,9 +81,18 @@ StepReport do_step(World::Impl& world) noexcept {
             drop_contacts(body);
             continue;
         }
-        done += double(body.element_count());
+        world.active.push_back({id, &body, 0});
+        begin_body(ctx, world.active.back());
+        watch.lap(ctx, Stage::loads);
+    }
+    begin_touch(ctx, world.active);
+    form_islands(world);
+    watch.lap(ctx, Stage::contact);
+    for (std::size_t i = 0; i < world.living_islands; ++i) total += double(world.islands[i].elements);
+    for (std::size_t i = 0; i < world.living_islands; ++i) {
+        done += double(world.islands[i].elements);
         if (world.def.solver.step_budget_us > 0) ctx.body_end_ns = start_ns + std::int64_t(world.def.solver.step_budget_us * 1e3 * done / total);
-        step_body(ctx, watch, id, body);
+        step_island(ctx, watch, world.islands[i]);
     }
     end_colliders(ctx);
     watch.lap(ctx, Stage::contact);

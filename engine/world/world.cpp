@@ -100,7 +100,13 @@ BodyId World::add_body(const BodyDef& def) {
     warn_of_locking(w.def, *body);
     if (!w.crew && w.threads > 1 && body->element_count() >= kMinElementsForThreads) w.crew = std::make_unique<Team>(w.threads);
     if (slot == w.slots.size()) w.slots.emplace_back();
-    if (w.living_colliders > 0) body->need_contact_surface();
+    if (w.living_colliders > 0 || def.touches_itself) body->need_contact_surface();
+    if (!w.order.empty() && def.touches_bodies) {
+        body->need_contact_surface();
+        for (const std::uint32_t other : w.order) {
+            if (w.slots[other].body->def.touches_bodies) w.slots[other].body->need_contact_surface();
+        }
+    }
     w.slots[slot].body = std::move(body);
     w.order.push_back(slot);
     return {slot, w.slots[slot].generation};
@@ -113,13 +119,29 @@ void World::remove_body(BodyId id) {
         if (drag.body == id) drag.generation = 0;
     }
     for (Attachment& attachment : w.attachments) {
-        if (attachment.generation == 0 || attachment.def.body != id) continue;
+        if (attachment.generation == 0 || (attachment.def.body != id && attachment.def.other != id)) continue;
         attachment = Attachment{};
         --w.living_attachments;
     }
+    std::erase_if(w.contact_switches, [&](const Impl::ContactSwitch& s) { return s.a == id || s.b == id; });
     w.slots[id.index].body.reset();
     ++w.slots[id.index].generation;
     w.order.erase(std::find(w.order.begin(), w.order.end(), id.index));
+}
+
+void World::set_contact(BodyId a, BodyId b, bool on) {
+    Impl& w = *impl_;
+    for (const BodyId id : {a, b}) w.body(id);
+    if (on) {
+        for (const BodyId id : {a, b}) w.body(id).need_contact_surface();
+    }
+    for (Impl::ContactSwitch& s : w.contact_switches) {
+        if ((s.a == a && s.b == b) || (s.a == b && s.b == a)) {
+            s.on = on;
+            return;
+        }
+    }
+    w.contact_switches.push_back({a, b, on});
 }
 
 std::vector<BodyId> World::bodies() const {

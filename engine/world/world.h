@@ -101,6 +101,9 @@ struct BodyDef {
     std::shared_ptr<const Skin> skin{};                ///< drawn and picked in place of the boundary; made for shape->mesh(). Null: none
     Vec3 translation_m = Vec3::Zero();                 ///< of the start position; the rest shape stays where the mesh is
     Vec3 velocity_m_s = Vec3::Zero();                  ///< at the start
+    bool touches_bodies = true;                        ///< contact with the other bodies that have this set too; World::set_contact() decides pair by pair
+    bool touches_itself = false;                       ///< contact of its surface with itself
+    double friction = 0.3;                             ///< Coulomb's coefficient against bodies, [0, 10]; of a pair the geometric mean
 };
 
 struct Energy {
@@ -175,10 +178,17 @@ public:
     void move_collider(ColliderId collider, const Pose& pose);
     ColliderState collider_state(ColliderId collider) const;
 
+    /// Contact of two bodies, or of one with itself (a = b), from the next step on; until then their definitions decide.
+    void set_contact(BodyId a, BodyId b, bool on);
+
     AttachmentId attach(const AttachmentDef& def);       ///< @error Error(invalid_argument) naming the field of AttachmentDef
     void move_attachment(AttachmentId attachment, const Vec3& anchor_m);  ///< ties it to another place in the world or on its collider
     AttachmentState attachment_state(AttachmentId attachment) const;
     void detach(AttachmentId attachment);
+    /// Glues surfaces: attaches each vertex of `body`'s boundary that is within `gap_m` of that of `other` (now) to the nearest place on it, by the stiffness
+    /// and force of `def`, and ends the contact of the two. May be empty: nothing is so near.
+    /// @error Error(invalid_argument) for a gap that is not in (0, 1e6], or one body twice
+    std::vector<AttachmentId> tie(BodyId body, BodyId other, double gap_m, const AttachmentDef& def = {});
 
     // -- time -----------------------------------------------------------------------------------------
     StepReport step() noexcept;                          ///< one fixed step

@@ -30,7 +30,8 @@ void report_bytes(benchmark::State& state, double bytes) {
 void matvec(benchmark::State& state, const std::shared_ptr<Problem>& p, Isa isa) {
     solve::LinearSolver<float> solver(p->rows(), isa);
     AlignedVector<float> x(p->rows() * 4, 1.0f), y(p->rows() * 4);
-    for (auto _ : state) benchmark::DoNotOptimize(solver.multiply(p->team, p->A, {}, x.data(), y.data()));
+    const solve::SystemPart<float> part{&p->A};
+    for (auto _ : state) benchmark::DoNotOptimize(solver.multiply(p->team, {&part, 1}, {}, x.data(), y.data()));
     report_bytes(state, double(p->pattern.blocks() * 52 + p->rows() * 36));
     state.counters["per_block"] =
         benchmark::Counter(double(p->pattern.blocks()), benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);

@@ -158,8 +158,9 @@ struct ElasticProblem {
         const Eigen::SparseMatrix<double> all = full(appended);
         x.assign(b.size(), Vec3::Zero());
         std::vector<Vec3> r(b.size());
+        const solve::SystemPart<Real> part{&A, &preconditioner};
         return solver.solve(
-            team, A, appended, preconditioner, b, {}, {.target = tolerance * flat(b).norm()},
+            team, {&part, 1}, appended, b, {}, {.target = tolerance * flat(b).norm()},
             [&](const Vec3* at, Vec3* out) {
                 const Eigen::Map<const Eigen::VectorXd> v(at->data(), all.rows());
                 Eigen::Map<Eigen::VectorXd>(out->data(), all.rows()) = flat(b) - all * v;

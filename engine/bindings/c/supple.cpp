@@ -96,7 +96,7 @@ void write_struct(Struct* out, std::size_t size, std::size_t first_size, Struct 
 
 // Sizes of the first versions. They never change: a later field comes after these.
 constexpr std::size_t kWorldDefFirst = 88, kBodyDefFirst = 128, kStepReportFirst = 64;
-static_assert(sizeof(SuppleWorldDef) == kWorldDefFirst && sizeof(SuppleBodyDef) == kBodyDefFirst &&
+static_assert(sizeof(SuppleWorldDef) == kWorldDefFirst && offsetof(SuppleBodyDef, touches_bodies) == kBodyDefFirst &&
               sizeof(SuppleStepReport) == kStepReportFirst);
 
 Vec3 vec3(const double* v) { return {v[0], v[1], v[2]}; }
@@ -156,7 +156,16 @@ SuppleBodyDef default_body_def() {
     c.young_pa = law.young_pa;
     c.poisson = law.poisson;
     c.density_kg_m3 = d.density_kg_m3;
+    c.touches_bodies = d.touches_bodies;
+    c.touches_itself = d.touches_itself;
+    c.friction = d.friction;
     return c;
+}
+
+/// A truth value of a field: anything but 0 and 1 is a mistake.
+bool truth(std::int32_t value, const char* where) {
+    if (value != 0 && value != 1) refuse(where, std::to_string(value) + " is neither 0 nor 1");
+    return value == 1;
 }
 
 supple::VolumeMesh mesh_of(const SuppleBodyDef& c) {
@@ -191,6 +200,9 @@ supple::BodyDef body_def(const SuppleBodyDef& c) {
     d.density_kg_m3 = c.density_kg_m3;
     d.translation_m = vec3(c.translation_m);
     d.velocity_m_s = vec3(c.velocity_m_s);
+    d.touches_bodies = truth(c.touches_bodies, "SuppleBodyDef.touches_bodies");
+    d.touches_itself = truth(c.touches_itself, "SuppleBodyDef.touches_itself");
+    d.friction = c.friction;
     d.shape = supple::BodyTemplate::build(mesh_of(c));
     return d;
 }
@@ -511,7 +523,9 @@ SuppleStatus supple_world_contacts(const SuppleWorld* world, SuppleContact* cont
             SuppleContact c{};
             c.body = {p.body.index, p.body.generation};
             c.collider = {p.collider.index, p.collider.generation};
+            c.other = {p.other.index, p.other.generation};
             c.triangle = p.triangle;
+            c.other_triangle = p.other_triangle;
             put(p.position_m, c.position_m);
             put(p.normal, c.normal);
             c.depth_m = p.depth_m;
@@ -519,6 +533,20 @@ SuppleStatus supple_world_contacts(const SuppleWorld* world, SuppleContact* cont
             put(p.friction_force_n, c.friction_force_n);
             *contacts++ = c;
         }
+    });
+}
+
+SuppleStatus supple_world_set_contact(SuppleWorld* world, SuppleBodyId a, SuppleBodyId b, int32_t on) {
+    return guarded([&] { required(world, "supple_world_set_contact", "world").world.set_contact(id(a), id(b), truth(on, "supple_world_set_contact, on")); });
+}
+
+SuppleStatus supple_world_tie(SuppleWorld* world, SuppleBodyId body, SuppleBodyId other, double gap_m, double stiffness_n_m, double max_force_n, size_t* out_count) {
+    return guarded([&] {
+        supple::AttachmentDef def;
+        def.stiffness_n_m = stiffness_n_m;
+        def.max_force_n = max_force_n;
+        const auto made = required(world, "supple_world_tie", "world").world.tie(id(body), id(other), gap_m, def);
+        if (out_count != nullptr) *out_count = made.size();
     });
 }
 

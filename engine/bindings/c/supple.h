@@ -85,6 +85,9 @@ typedef struct SuppleBodyDef {
     double density_kg_m3;          /* > 0, default 1000 */
     double translation_m[3];       /* of the start position */
     double velocity_m_s[3];        /* at the start */
+    int32_t touches_bodies;        /* 1 (default): contact with other bodies that have it too; 0: none */
+    int32_t touches_itself;        /* 1: contact of its surface with itself; default 0 */
+    double friction;               /* Coulomb, against bodies, [0, 10], default 0.3; of a pair the geometric mean */
 } SuppleBodyDef;
 
 /* Bits of SuppleStepReport.flags; supple_flag_cure() says what to change. */
@@ -168,9 +171,10 @@ typedef struct SuppleColliderState {
 /* A contact that pressed in the last step; forces act on the body. A plain array element: its size never changes. */
 typedef struct SuppleContact {
     SuppleBodyId body;
-    SuppleColliderId collider;
+    SuppleColliderId collider;     /* generation 0: another body */
+    SuppleBodyId other;            /* that body, or the body itself; generation 0: a collider */
     int32_t triangle;              /* of the body's boundary */
-    int32_t reserved;
+    int32_t other_triangle;        /* of the other body's boundary; -1 */
     double position_m[3];
     double normal[3];              /* unit, out of the collider */
     double depth_m;
@@ -222,6 +226,11 @@ SuppleStatus supple_world_move_collider(SuppleWorld* world, SuppleColliderId col
 SuppleStatus supple_world_collider_state(const SuppleWorld* world, SuppleColliderId collider, SuppleColliderState* out_state);
 SuppleStatus supple_world_contact_count(const SuppleWorld* world, size_t* out_count);
 SuppleStatus supple_world_contacts(const SuppleWorld* world, SuppleContact* contacts, size_t capacity);
+
+/* Contact of two bodies, or of one with itself (a = b), from the next step on; until then their definitions decide. on is 0 or 1. */
+SuppleStatus supple_world_set_contact(SuppleWorld* world, SuppleBodyId a, SuppleBodyId b, int32_t on);
+/* Glues the surface of `body` to that of `other` where they are within gap_m. stiffness 0: hard; max_force 0: never breaks. out_count (may be NULL): vertices tied. */
+SuppleStatus supple_world_tie(SuppleWorld* world, SuppleBodyId body, SuppleBodyId other, double gap_m, double stiffness_n_m, double max_force_n, size_t* out_count);
 
 /* Hash of everything that moves: equal hashes, equal bits. */
 SuppleStatus supple_world_hash(const SuppleWorld* world, uint64_t* out_hash);

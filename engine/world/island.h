@@ -1,0 +1,33 @@
+#pragma once
+#include <vector>
+
+#include "supple/world/body.h"
+
+namespace supple {
+
+/// A body in the step at work.
+struct Member {
+    BodyId id;
+    Body* body = nullptr;
+    std::size_t first_row = 0;  ///< of its vertices in the island's system
+};
+
+/// Bodies that touch, or are tied together, or share a collider that yields: one system for all of them. Most have one member.
+struct Island {
+    std::vector<Member> members;
+    std::size_t rows = 0, elements = 0;
+
+    bool alone() const { return members.size() == 1; }
+};
+
+/// The system of an island of several members. Each keeps its matrix and its preconditioner.
+template <class Real>
+struct JointSystem {
+    explicit JointSystem(Isa isa) : solver(0, isa) {}
+
+    solve::LinearSolver<Real> solver;
+    std::vector<solve::SystemPart<Real>> parts;
+    std::vector<Vec3> b, x, residual, guess[2];  ///< [row]
+};
+
+}  // namespace supple
