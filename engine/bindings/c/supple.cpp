@@ -264,7 +264,7 @@ static_assert(SUPPLE_FLAG_ITERATION_CAP == int(supple::StepFlag::iteration_cap) 
 // -- colliders -----------------------------------------------------------------------------------------
 
 constexpr std::size_t kColliderDefFirst = 232, kColliderStateFirst = 184;
-static_assert(sizeof(SuppleColliderDef) == kColliderDefFirst && sizeof(SuppleColliderState) == kColliderStateFirst && sizeof(SuppleContact) == 112);
+static_assert(sizeof(SuppleColliderDef) == kColliderDefFirst && sizeof(SuppleColliderState) == kColliderStateFirst && sizeof(SuppleContact) == 120);
 
 void put(const Vec3& v, double* out) {
     for (int i = 0; i < 3; ++i) out[i] = v[i];
