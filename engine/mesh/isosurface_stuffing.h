@@ -15,6 +15,7 @@ using ImplicitShape = FunctionRef<double(const Vec3&)>;
 struct StuffingDef {
     Vec3 min_m = Vec3::Zero();  ///< box that holds the shape; where it lies also places the lattice
     Vec3 max_m = Vec3::Ones();
+    Vec3 shift = Vec3::Zero();  ///< moves the lattice by this part of an edge, -0.5..0.5: a flat side of the shape then meets it elsewhere
     double edge_m = 0.1;  ///< long lattice edge, > 0 (short ones: 0.87 of it); a shape of volume V gets about 12 V / edge^3 tets
 
     /// A lattice vertex nearer to the surface than this fraction of the edge to it moves onto the surface. The defaults bound every

@@ -18,13 +18,14 @@ public:
         if (!(def.edge_m > 0) || !std::isfinite(def.edge_m)) refuse(to_text(def.edge_m) + " m; give a length > 0");
         require_in_range(def.least_fill, 0, 0.999, "LatticeHexDef.least_fill", "keep the default");
         require_in_range(def.depth, 0, 6, "LatticeHexDef.depth", "keep the default");
+        for (int k = 0; k < 3; ++k) require_in_range(def.shift[k], -0.5, 0.5, "LatticeHexDef.shift", "0 centres the lattice");
         double cells = 1;
         for (int k = 0; k < 3; ++k) {
             const double along = std::ceil(region.box().size()[k] / def.edge_m * (1 + 1e-12)) + 1;
             cells *= along;
             if (!(cells <= 1 << 30)) refuse(to_text(def.edge_m) + " m makes more than 2^30 cubes; give a longer edge");
             cells_[k] = static_cast<std::int64_t>(along);
-            origin_[k] = region.box().centre()[k] - 0.5 * double(cells_[k]) * def.edge_m;
+            origin_[k] = region.box().centre()[k] + (def.shift[k] - 0.5 * double(cells_[k])) * def.edge_m;
         }
     }
 
