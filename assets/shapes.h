@@ -49,12 +49,24 @@ struct TubeNode {
     double radius;
 };
 
-/// Distance to a chain of thickened segments through the nodes, their joints filleted over about k metres.
-inline double tube(const Point& x, std::initializer_list<TubeNode> nodes, double k = 0) {
+/// Distance to a tube along a smooth curve through the nodes (Catmull-Rom), cut into straight pieces; its radius changes as smoothly.
+inline double tube(const Point& x, std::initializer_list<TubeNode> nodes) {
+    constexpr int kPieces = 6;
+    const TubeNode* n = nodes.begin();
+    const auto last = int(nodes.size()) - 1;
     double d = 1e9;
-    for (const TubeNode *a = nodes.begin(), *b = a + 1; b != nodes.end(); ++a, ++b) {
-        const double next = capsule(x, a->at, b->at, a->radius, b->radius);
-        d = k > 0 ? blend(d, next, k) : std::min(d, next);
+    for (int i = 0; i < last; ++i) {
+        const TubeNode &before = n[std::max(i - 1, 0)], &a = n[i], &b = n[i + 1], &after = n[std::min(i + 2, last)];
+        const auto at = [&](double t) {
+            const double w0 = t * (-1 + t * (2 - t)) / 2, w1 = 1 + t * t * (3 * t - 5) / 2, w2 = t * (1 + t * (4 - 3 * t)) / 2, w3 = t * t * (t - 1) / 2;
+            return TubeNode{w0 * before.at + w1 * a.at + w2 * b.at + w3 * after.at, w0 * before.radius + w1 * a.radius + w2 * b.radius + w3 * after.radius};
+        };
+        TubeNode from = a;
+        for (int k = 1; k <= kPieces; ++k) {
+            const TubeNode to = at(double(k) / kPieces);
+            d = std::min(d, capsule(x, from.at, to.at, from.radius, to.radius));
+            from = to;
+        }
     }
     return d;
 }

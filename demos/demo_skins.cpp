@@ -15,6 +15,7 @@ namespace supple::demos {
 namespace {
 
 constexpr double kSettled_s = 1.8, kMeshes_s = 6.2, kPan_s = 7.8, kArrived_s = 9.2, kStress_s = 11.0, kEnd_s = 16;
+constexpr double kCreature_m = 0.64, kEye_m = 0.012;
 
 WorldDef world_def(const ShowOptions& options) {
     WorldDef def;
@@ -42,7 +43,8 @@ struct Passenger {
 struct Piece {
     const char* asset;
     double young_pa;
-    double x_m, z_m, drop_m, turn_deg;  ///< where it falls from, above the table, and how it is turned about y
+    double x_m, z_m, drop_m;  ///< where it falls from, above the table
+    bool lies;                ///< on its back instead of upright: its z goes up
     Look look;
     std::array<float, 3> color;
 };
@@ -51,16 +53,16 @@ class Skins : public Show {
 public:
     explicit Skins(const ShowOptions& options) : world_(world_def(options)), script_(world_, {}, 0.05, 3.0) {
         world_.add_collider({.name = "table", .shape = PlaneShape{}, .friction = 0.5});
-        liver_ = add({"liver_vessels", 1.2e4, -0.30, 0.0, 0.02, 0, Look::tissue, {0.62f, 0.26f, 0.22f}},
+        liver_ = add({"liver_vessels", 1.2e4, -0.26, -0.02, 0.02, false, Look::tissue, {0.62f, 0.26f, 0.22f}},
                      {{.where = InGroup{"portal"}, .stiffness_factor = 8}, {.where = InGroup{"hepatic"}, .stiffness_factor = 8}});
-        kidney_ = add({"kidney", 1.5e4, -0.10, 0.03, 0.03, 0, Look::tissue, {0.56f, 0.24f, 0.20f}}, {});
-        gallbladder_ = add({"gallbladder", 1.2e4, 0.01, 0.05, 0.03, 0, Look::tissue, {0.47f, 0.53f, 0.27f}}, {});
-        gel_ = add({"gel", 9e3, 0.34, 0.02, 0.03, 0, Look::gel, {0.45f, 0.72f, 0.86f}}, {{.where = InGroup{"inclusion"}, .stiffness_factor = 30}});
-        creature_ = add({"creature", 3e4, 0.62, 0.0, 0.02, 0, Look::rubber, {0.42f, 0.62f, 0.52f}}, {});
-        inside_.emplace_back(world_, liver_, surface("liver_vessels.portal.ply"), std::array<float, 3>{0.35f, 0.45f, 0.80f});
-        inside_.emplace_back(world_, liver_, surface("liver_vessels.hepatic.ply"), std::array<float, 3>{0.30f, 0.30f, 0.62f});
+        kidney_ = add({"kidney", 1.5e4, -0.06, -0.01, 0.03, true, Look::tissue, {0.56f, 0.24f, 0.20f}}, {});
+        gallbladder_ = add({"gallbladder", 1.2e4, 0.075, 0.0, 0.03, true, Look::tissue, {0.47f, 0.53f, 0.27f}}, {});
+        gel_ = add({"gel", 9e3, 0.35, 0.03, 0.03, false, Look::gel, {0.45f, 0.72f, 0.86f}}, {{.where = InGroup{"inclusion"}, .stiffness_factor = 30}});
+        creature_ = add({"creature", 3e4, kCreature_m, 0.0, 0.02, false, Look::rubber, {0.42f, 0.62f, 0.52f}}, {});
+        inside_.emplace_back(world_, liver_, surface("liver_vessels.portal.ply"), std::array<float, 3>{0.25f, 0.42f, 0.95f});
+        inside_.emplace_back(world_, liver_, surface("liver_vessels.hepatic.ply"), std::array<float, 3>{0.50f, 0.20f, 0.70f});
         inside_.emplace_back(world_, gel_, surface("gel.inclusion.ply"), std::array<float, 3>{0.95f, 0.55f, 0.20f});
-        eyes_.emplace(world_, creature_, mesh::TriangleMesh{{Vec3(0.150, 0.168, 0.0445), Vec3(0.150, 0.168, -0.0445)}, {}}, std::array<float, 3>{0.05f, 0.05f, 0.06f});
+        eyes_.emplace(world_, creature_, mesh::TriangleMesh{{Vec3(0.149, 0.167, 0.040), Vec3(0.149, 0.167, -0.040)}, {}}, std::array<float, 3>{0.05f, 0.05f, 0.06f});
         add_tools();
         script_ = TouchScript(world_, touches(), 0.06, 3.0);
     }
@@ -75,8 +77,8 @@ public:
         const double t = world_.time_s();
         const double s = smooth_step(kPan_s, kArrived_s, t);
         view.camera.fov_deg = 30;
-        view.camera.target_m = (1 - s) * Vec3(-0.14, 0.055, 0.01) + s * Vec3(0.53, 0.095, 0);
-        view.camera.eye_m = view.camera.target_m + (1 - s) * Vec3(0.02 * std::sin(0.3 * t), 0.34, 0.80) + s * Vec3(0.10 + 0.02 * std::sin(0.3 * t), 0.30, 0.95);
+        view.camera.target_m = (1 - s) * Vec3(-0.13, 0.035, 0.01) + s * Vec3(0.56, 0.095, 0);
+        view.camera.eye_m = view.camera.target_m + (1 - s) * Vec3(0.02 * std::sin(0.3 * t), 0.35, 0.44) + s * Vec3(0.14 + 0.02 * std::sin(0.3 * t), 0.24, 0.74);
         view.key_light = Vec3(-0.45, 1, 0.7);
         const bool meshes = t >= kMeshes_s && t < kPan_s;
         const std::vector<BodyId> bodies = world_.bodies();
@@ -108,7 +110,7 @@ public:
             }
         }
         eyes_->move(world_);
-        for (const Vec3& x : eyes_->positions) view.markers.push_back({x, 0.0125, eyes_->color});
+        for (const Vec3& x : eyes_->positions) view.markers.push_back({x, kEye_m, eyes_->color});
         script_.decorate(view);
         if (t < kSettled_s) view.caption = "Surfaces, and inside of each a coarse mesh that our own cook made of it";
         else if (t < kMeshes_s) view.caption = "Fine skins move with few elements; the vessels make the liver stiffer where they run";
@@ -125,8 +127,13 @@ private:
         const std::string name = piece.asset;
         BodyDef def;
         def.name = name;
-        def.shape = BodyTemplate::build(io::read_mesh(find_asset(name + ".msh")));
-        def.skin = Skin::build(def.shape->mesh(), surface(name + ".ply"));
+        VolumeMesh mesh = io::read_mesh(find_asset(name + ".msh"));
+        mesh::TriangleMesh skin = surface(name + ".ply");
+        if (piece.lies)
+            for (auto* points : {&mesh.vertices, &skin.vertices})
+                for (Vec3& x : *points) x = Vec3(x.x(), x.z(), -x.y());
+        def.shape = BodyTemplate::build(std::move(mesh));
+        def.skin = Skin::build(def.shape->mesh(), skin);
         def.material = Corotational{.young_pa = piece.young_pa, .poisson = 0.43};
         def.density_kg_m3 = 1050;
         def.regions = std::move(regions);
@@ -162,18 +169,18 @@ private:
             }
             world_.add_collider(tool);
         };
-        ball("finger", 0.013, {{0, {-0.34, 0.26, 0.06}}, {1.6, {-0.34, 0.20, 0.05}}, {2.3, {-0.33, 0.09, 0.045}}, {2.9, {-0.33, 0.09, 0.045}}, {3.3, {-0.22, 0.15, 0.06}},
-                               {3.7, {-0.11, 0.10, 0.03}}, {4.2, {-0.105, 0.036, 0.03}}, {4.7, {-0.105, 0.036, 0.03}}, {5.0, {-0.06, 0.08, 0.06}}, {5.3, {-0.045, 0.02, 0.06}},
-                               {6.0, {-0.005, 0.02, 0.06}}, {6.6, {-0.09, 0.14, 0.10}}, {7.4, {-0.14, 0.26, 0.10}}});
-        ball("press", 0.020, {{0, {0.34, 0.24, 0.02}}, {9.0, {0.34, 0.20, 0.02}}, {10.0, {0.335, 0.075, 0.02}}, {10.6, {0.335, 0.075, 0.02}}, {11.3, {0.33, 0.22, 0.0}}});
-        ball("hand", 0.020, {{0, {0.735, 0.42, 0}}, {12.6, {0.735, 0.36, 0}}, {13.3, {0.735, 0.215, 0}}, {13.8, {0.735, 0.215, 0}}, {14.3, {0.76, 0.36, 0}}});
+        ball("finger", 0.013, {{0, {-0.29, 0.26, 0.05}}, {1.6, {-0.29, 0.20, 0.04}}, {2.3, {-0.285, 0.078, 0.03}}, {2.9, {-0.285, 0.078, 0.03}}, {3.3, {-0.18, 0.15, 0.04}},
+                               {3.7, {-0.07, 0.10, -0.01}}, {4.2, {-0.065, 0.037, -0.01}}, {4.6, {-0.065, 0.037, -0.01}}, {4.9, {-0.03, 0.08, 0.02}}, {5.2, {0.025, 0.018, 0.02}},
+                               {6.0, {0.075, 0.018, 0.02}}, {6.5, {-0.02, 0.14, 0.06}}, {7.4, {-0.06, 0.26, 0.06}}});
+        ball("press", 0.020, {{0, {0.35, 0.26, 0.03}}, {9.0, {0.35, 0.20, 0.03}}, {10.0, {0.34, 0.078, 0.03}}, {10.6, {0.34, 0.078, 0.03}}, {11.3, {0.34, 0.24, 0.0}}});
+        ball("hand", 0.020, {{0, {0.75, 0.42, 0}}, {12.6, {0.75, 0.36, 0}}, {13.3, {0.74, 0.21, 0}}, {13.8, {0.74, 0.21, 0}}, {14.3, {0.76, 0.40, 0}}});
     }
 
     std::vector<Touch> touches() const {
         Touch pull;
         pull.begin_s = 11.0;
         pull.end_s = 12.8;
-        pull.ray = {Vec3(0.446, 0.5, 0), Vec3(0, -1, 0)};
+        pull.ray = {Vec3(kCreature_m - 0.174, 0.5, 0), Vec3(0, -1, 0)};
         pull.radius_m = 0.02;
         pull.tool_radius_m = 0.009;
         pull.pushes = false;

@@ -15,13 +15,14 @@ using ImplicitShape = FunctionRef<double(const Vec3&)>;
 struct StuffingDef {
     Vec3 min_m = Vec3::Zero();  ///< box that holds the shape; where it lies also places the lattice
     Vec3 max_m = Vec3::Ones();
-    Vec3 shift = Vec3::Zero();  ///< moves the lattice by this part of an edge, -0.5..0.5: a flat side of the shape then meets it elsewhere
     double edge_m = 0.1;  ///< long lattice edge, > 0 (short ones: 0.87 of it); a shape of volume V gets about 12 V / edge^3 tets
 
     /// A lattice vertex nearer to the surface than this fraction of the edge to it moves onto the surface. The defaults bound every
     /// dihedral angle to 8.9..158.8 degrees (Labelle and Shewchuk 2007); (0.24999, 0.41189) bounds them to 10.7..164.8.
     double alpha_long = kAlphaLong;    ///< (0, 0.5)
     double alpha_short = kAlphaShort;  ///< (0, 0.5)
+
+    Vec3 shift = Vec3::Zero();  ///< moves the lattice by this part of an edge, -0.5..0.5: a flat side of the shape then meets it elsewhere
 
     static constexpr double kAlphaLong = 0.22383;
     static constexpr double kAlphaShort = 0.39700;

@@ -10,6 +10,7 @@ namespace supple {
 namespace {
 
 constexpr int kFaceSamples = 4;
+constexpr double kBlock = 4;  // edges: places as large as this are asked at once
 
 class HexLattice {
 public:
@@ -49,10 +50,13 @@ private:
 
     void measure(Team& team) {
         fill_.resize(std::size_t(count()));
+        const double radius = 0.5 * std::sqrt(3.0) * def_.edge_m;
+        const FarSigns far(region_, radius, kBlock * def_.edge_m, team);
         team.for_range(fill_.size(), 64, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) {
                 const auto c = cell(std::int64_t(i));
-                fill_[i] = region_.fraction(Box{corner(c, 0, 0, 0), corner(c, 1, 1, 1)}, def_.depth);
+                const int side = far.side(corner(c, 0, 0, 0) + Vec3::Constant(0.5 * def_.edge_m));
+                fill_[i] = side != 0 ? double(side < 0) : region_.fraction(Box{corner(c, 0, 0, 0), corner(c, 1, 1, 1)}, def_.depth);
             }
         });
         number_.assign(fill_.size(), -1);
