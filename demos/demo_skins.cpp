@@ -21,7 +21,7 @@ WorldDef world_def(const ShowOptions& options) {
     WorldDef def;
     def.threads = options.threads;
     def.isa = options.isa;
-    def.time_step_s = 1.0 / 120;
+    def.time_step_s = 1.0 / 60;
     def.solver.rayleigh_mass_1_s = 0.6;
     def.solver.rayleigh_stiffness_s = 0.003;
     return def;
@@ -57,8 +57,8 @@ public:
                      {{.where = InGroup{"portal"}, .stiffness_factor = 8}, {.where = InGroup{"hepatic"}, .stiffness_factor = 8}});
         kidney_ = add({"kidney", 1.5e4, -0.06, -0.01, 0.03, true, Look::tissue, {0.56f, 0.24f, 0.20f}}, {});
         gallbladder_ = add({"gallbladder", 1.2e4, 0.075, 0.0, 0.03, true, Look::tissue, {0.47f, 0.53f, 0.27f}}, {});
-        gel_ = add({"gel", 9e3, 0.35, 0.03, 0.03, false, Look::gel, {0.45f, 0.72f, 0.86f}}, {{.where = InGroup{"inclusion"}, .stiffness_factor = 30}});
-        creature_ = add({"creature", 3e4, kCreature_m, 0.0, 0.02, false, Look::rubber, {0.42f, 0.62f, 0.52f}}, {});
+        gel_ = add({"gel", 1.2e4, 0.35, 0.03, 0.03, false, Look::gel, {0.45f, 0.72f, 0.86f}}, {{.where = InGroup{"inclusion"}, .stiffness_factor = 10}});
+        creature_ = add({"creature", 1.5e5, kCreature_m, 0.0, 0.02, false, Look::rubber, {0.42f, 0.62f, 0.52f}}, {});
         inside_.emplace_back(world_, liver_, surface("liver_vessels.portal.ply"), std::array<float, 3>{0.25f, 0.42f, 0.95f});
         inside_.emplace_back(world_, liver_, surface("liver_vessels.hepatic.ply"), std::array<float, 3>{0.50f, 0.20f, 0.70f});
         inside_.emplace_back(world_, gel_, surface("gel.inclusion.ply"), std::array<float, 3>{0.95f, 0.55f, 0.20f});
@@ -77,8 +77,8 @@ public:
         const double t = world_.time_s();
         const double s = smooth_step(kPan_s, kArrived_s, t);
         view.camera.fov_deg = 30;
-        view.camera.target_m = (1 - s) * Vec3(-0.13, 0.035, 0.01) + s * Vec3(0.56, 0.095, 0);
-        view.camera.eye_m = view.camera.target_m + (1 - s) * Vec3(0.02 * std::sin(0.3 * t), 0.35, 0.44) + s * Vec3(0.14 + 0.02 * std::sin(0.3 * t), 0.24, 0.74);
+        view.camera.target_m = (1 - s) * Vec3(-0.13, 0.035, 0.01) + s * Vec3(0.58, 0.09, 0);
+        view.camera.eye_m = view.camera.target_m + (1 - s) * Vec3(0.02 * std::sin(0.3 * t), 0.35, 0.44) + s * Vec3(0.40 + 0.02 * std::sin(0.3 * t), 0.26, 0.66);
         view.key_light = Vec3(-0.45, 1, 0.7);
         const bool meshes = t >= kMeshes_s && t < kPan_s;
         const std::vector<BodyId> bodies = world_.bodies();

@@ -33,7 +33,8 @@ void expect_runs(const VolumeMesh& mesh, const std::shared_ptr<const Skin>& skin
         const StepReport step = world.step();
         ASSERT_EQ(int(step.flags), 0) << "step " << i;
     }
-    const auto now = world.positions(body), start = world.start_positions(body);
+    const auto now = world.positions(body);
+    const std::vector<Vec3> start = world.start_positions(body);
     double farthest = 0;
     for (std::size_t v = 0; v < now.size(); ++v) farthest = std::max(farthest, (now[v] - start[v]).norm());
     EXPECT_GT(farthest, 1e-6) << "it moved";

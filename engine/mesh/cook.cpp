@@ -18,7 +18,8 @@ constexpr double kCrumb = 1e-3;         // of the volume
 constexpr double kCountTolerance = 0.05;
 constexpr double kLeastCageFill = 0.02; // what an empty tet of a cage weighs and resists
 constexpr double kBlock = 4;            // edges: places as large as this are asked for their sign at once
-constexpr int kFillDepth = 1;
+constexpr int kFillDepth = 1, kFillDepthOfFew = 2;  // halvings of what is partly filled; a coarse mesh can afford more, and needs them
+constexpr std::size_t kFew = 8000;
 constexpr int kCountTries = 9;  // of edges, before the lattice is shifted
 
 /// The parts of a mesh that share vertices: label per tet, volume per label.
@@ -142,11 +143,12 @@ private:
 
     void measure_fill() {
         mesh_.fill.resize(mesh_.tets.size());
+        const int depth = mesh_.tets.size() < kFew ? kFillDepthOfFew : kFillDepth;
         team_.for_range(mesh_.tets.size(), 32, [&](std::size_t begin, std::size_t end) {
             for (std::size_t e = begin; e < end; ++e) {
                 std::array<Vec3, 4> x;
                 for (std::size_t a = 0; a < 4; ++a) x[a] = mesh_.vertices[std::size_t(mesh_.tets[e][a])];
-                mesh_.fill[e] = std::max(region_.fraction(x, kFillDepth), kLeastCageFill);
+                mesh_.fill[e] = std::max(region_.fraction(x, depth), kLeastCageFill);
             }
         });
     }
