@@ -48,10 +48,10 @@ const std::vector<Recipe>& recipes() {
     static const std::vector<Recipe> all{
         {"liver_vessels", liver, {-0.13, -0.11, -0.09}, {0.13, 0.11, 0.09}, 0.0045, {.kind = CookKind::tets, .elements = 12000},
          {{"portal", portal_vein}, {"hepatic", hepatic_veins}}, "ligament", at_liver_ligament},
-        {"kidney", kidney, {-0.06, -0.08, -0.04}, {0.07, 0.08, 0.04}, 0.0024, {.kind = CookKind::tets, .elements = 6000}},
+        {"kidney", kidney, {-0.06, -0.08, -0.04}, {0.07, 0.08, 0.04}, 0.0024, {.kind = CookKind::tets, .elements = 9000}},
         {"gallbladder", gallbladder, {-0.04, -0.06, -0.03}, {0.04, 0.06, 0.04}, 0.0016, {.kind = CookKind::tets, .elements = 4000}},
         {"creature", creature, {-0.22, -0.02, -0.12}, {0.22, 0.26, 0.12}, 0.0040, {.kind = CookKind::cage, .elements = 5000}},
-        {"gel", gel_block, {-0.08, -0.02, -0.07}, {0.08, 0.11, 0.07}, 0.0050, {.kind = CookKind::hexes, .elements = 1500}, {{"inclusion", gel_inclusion}}},
+        {"gel", gel_block, {-0.08, -0.02, -0.07}, {0.08, 0.11, 0.07}, 0.0050, {.kind = CookKind::tets, .elements = 6000}, {{"inclusion", gel_inclusion}}},
     };
     return all;
 }

@@ -112,8 +112,8 @@ public:
         eyes_->move(world_);
         for (const Vec3& x : eyes_->positions) view.markers.push_back({x, kEye_m, eyes_->color});
         script_.decorate(view);
-        if (t < kSettled_s) view.caption = "Surfaces, and inside of each a coarse mesh that our own cook made of it";
-        else if (t < kMeshes_s) view.caption = "Fine skins move with few elements; the vessels make the liver stiffer where they run";
+        if (t < kSettled_s) view.caption = "Fine skins, each moved by a coarse mesh cooked from it";
+        else if (t < kMeshes_s) view.caption = "Pressed and pushed; vessels stiffen the liver where they run";
         else if (t < kPan_s) view.caption = counts_;
         else if (t < kStress_s) view.caption = "Gel with a hard ball in it, and a creature in a cage of tetrahedra";
         else if (t < 14.2) view.caption = "Pulled by its tail, pressed on its head: stress on the skin";
@@ -144,7 +144,7 @@ private:
         triangles_ += def.skin->surface().triangles.size();
         elements_ += def.shape->mesh().element_count();
         char text[120];
-        std::snprintf(text, sizeof text, "What is computed: %zu elements under %zu triangles of skin", elements_, triangles_);
+        std::snprintf(text, sizeof text, "What is computed: %zu elements under %zu triangles", elements_, triangles_);
         counts_ = text;
         return world_.add_body(def);
     }
@@ -169,7 +169,7 @@ private:
             }
             world_.add_collider(tool);
         };
-        ball("finger", 0.013, {{0, {-0.29, 0.26, 0.05}}, {1.6, {-0.29, 0.20, 0.04}}, {2.3, {-0.285, 0.078, 0.03}}, {2.9, {-0.285, 0.078, 0.03}}, {3.3, {-0.18, 0.15, 0.04}},
+        ball("finger", 0.013, {{0, {-0.25, 0.26, -0.02}}, {1.6, {-0.26, 0.20, -0.02}}, {2.3, {-0.265, 0.125, -0.022}}, {2.9, {-0.265, 0.125, -0.022}}, {3.3, {-0.18, 0.18, 0.0}},
                                {3.7, {-0.07, 0.10, -0.01}}, {4.2, {-0.065, 0.037, -0.01}}, {4.6, {-0.065, 0.037, -0.01}}, {4.9, {-0.03, 0.08, 0.02}}, {5.2, {0.025, 0.018, 0.02}},
                                {6.0, {0.075, 0.018, 0.02}}, {6.5, {-0.02, 0.14, 0.06}}, {7.4, {-0.06, 0.26, 0.06}}});
         ball("press", 0.020, {{0, {0.35, 0.26, 0.03}}, {9.0, {0.35, 0.20, 0.03}}, {10.0, {0.34, 0.078, 0.03}}, {10.6, {0.34, 0.078, 0.03}}, {11.3, {0.34, 0.24, 0.0}}});
