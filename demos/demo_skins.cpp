@@ -21,7 +21,8 @@ WorldDef world_def(const ShowOptions& options) {
     WorldDef def;
     def.threads = options.threads;
     def.isa = options.isa;
-    def.time_step_s = 1.0 / 60;
+    def.time_step_s = 1.0 / 120;
+    def.solver.contact_iterations = 30;  // two dozen vertices under a ball that moves
     def.solver.rayleigh_mass_1_s = 0.6;
     def.solver.rayleigh_stiffness_s = 0.003;
     return def;
@@ -77,7 +78,7 @@ public:
         const double t = world_.time_s();
         const double s = smooth_step(kPan_s, kArrived_s, t);
         view.camera.fov_deg = 30;
-        view.camera.target_m = (1 - s) * Vec3(-0.13, 0.035, 0.01) + s * Vec3(0.58, 0.09, 0);
+        view.camera.target_m = (1 - s) * Vec3(-0.11, 0.035, 0.01) + s * Vec3(0.58, 0.09, 0);
         view.camera.eye_m = view.camera.target_m + (1 - s) * Vec3(0.02 * std::sin(0.3 * t), 0.35, 0.44) + s * Vec3(0.40 + 0.02 * std::sin(0.3 * t), 0.26, 0.66);
         view.key_light = Vec3(-0.45, 1, 0.7);
         const bool meshes = t >= kMeshes_s && t < kPan_s;
@@ -169,7 +170,7 @@ private:
             }
             world_.add_collider(tool);
         };
-        ball("finger", 0.013, {{0, {-0.25, 0.26, -0.02}}, {1.6, {-0.26, 0.20, -0.02}}, {2.3, {-0.265, 0.125, -0.022}}, {2.9, {-0.265, 0.125, -0.022}}, {3.3, {-0.18, 0.18, 0.0}},
+        ball("finger", 0.013, {{0, {-0.25, 0.26, -0.02}}, {1.6, {-0.26, 0.20, -0.02}}, {2.3, {-0.265, 0.100, -0.022}}, {2.9, {-0.265, 0.100, -0.022}}, {3.3, {-0.18, 0.18, 0.0}},
                                {3.7, {-0.07, 0.10, -0.01}}, {4.2, {-0.065, 0.037, -0.01}}, {4.6, {-0.065, 0.037, -0.01}}, {4.9, {-0.03, 0.08, 0.02}}, {5.2, {0.025, 0.018, 0.02}},
                                {6.0, {0.075, 0.018, 0.02}}, {6.5, {-0.02, 0.14, 0.06}}, {7.4, {-0.06, 0.26, 0.06}}});
         ball("press", 0.020, {{0, {0.35, 0.26, 0.03}}, {9.0, {0.35, 0.20, 0.03}}, {10.0, {0.34, 0.078, 0.03}}, {10.6, {0.34, 0.078, 0.03}}, {11.3, {0.34, 0.24, 0.0}}});
