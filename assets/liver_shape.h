@@ -1,45 +1,9 @@
 #pragma once
 // The liver as an implicit shape, in metres, seen as in the body: x towards the patient's left, y up, z to the front. About 0.2 m
-// wide. Only additions, products, quotients and square roots: the same bits from every compiler.
-#include <Eigen/Core>
-#include <algorithm>
-#include <cmath>
+// wide.
+#include "shapes.h"
 
 namespace supple_assets {
-
-using Point = Eigen::Vector3d;
-
-/// Nearly the distance to an axis-parallel ellipsoid, negative inside: exact on its surface to first order.
-inline double ellipsoid(const Point& x, const Point& centre, const Point& radii) {
-    const Point p = (x - centre).cwiseQuotient(radii);
-    const double level = std::sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]);
-    const Point g = p.cwiseQuotient(radii);
-    const double slope = std::sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
-    return slope > 0 ? level * (level - 1) / slope : -radii.minCoeff();
-}
-
-/// Distance to the segment a b thickened from radius ra to rb, negative inside.
-inline double capsule(const Point& x, const Point& a, const Point& b, double ra, double rb) {
-    const Point d = b - a, e = x - a;
-    const double t = std::clamp((e[0] * d[0] + e[1] * d[1] + e[2] * d[2]) / (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]), 0.0, 1.0);
-    const Point r = e - t * d;
-    return std::sqrt(r[0] * r[0] + r[1] * r[1] + r[2] * r[2]) - (ra + t * (rb - ra));
-}
-
-/// Union with a fillet of about k metres.
-inline double blend(double a, double b, double k) {
-    const double h = std::max(k - std::abs(a - b), 0.0);
-    return std::min(a, b) - h * h / (4 * k);
-}
-
-/// What of a is left outside of b, with an edge rounded over about k metres.
-inline double carve(double a, double b, double k) { return -blend(-a, b, k); }
-
-/// 1 at u = 0, falling smoothly to 0 at |u| = w.
-inline double bump(double u, double w) {
-    const double t = std::max(1 - (u / w) * (u / w), 0.0);
-    return t * t;
-}
 
 inline double liver(const Point& x) {
     // Diaphragmatic side: one dome, high and full on the right, tapering and flattening to the left.
@@ -60,5 +24,25 @@ inline double liver(const Point& x) {
     d = carve(d, capsule(x, {-0.004, 0.080, -0.056}, {-0.004, -0.080, -0.058}, 0.014, 0.014), 0.010);
     return d;
 }
+
+/// The portal vein: in at the hilum below and behind, a branch to each lobe.
+inline double portal_vein(const Point& x) {
+    double d = tube(x, {{{0.006, -0.018, -0.020}, 0.0075}, {{0.000, 0.004, -0.006}, 0.0075}, {{-0.018, 0.008, 0.000}, 0.0070}});
+    d = blend(d, tube(x, {{{-0.018, 0.008, 0.000}, 0.0070}, {{-0.046, 0.004, 0.006}, 0.0060}, {{-0.070, -0.020, 0.010}, 0.0048}, {{-0.078, -0.052, 0.010}, 0.0036}}), 0.006);
+    d = blend(d, tube(x, {{{-0.046, 0.004, 0.006}, 0.0055}, {{-0.064, 0.028, 0.006}, 0.0044}, {{-0.070, 0.046, 0.000}, 0.0034}}), 0.005);
+    d = blend(d, tube(x, {{{-0.018, 0.008, 0.000}, 0.0060}, {{-0.030, -0.010, 0.016}, 0.0046}, {{-0.044, -0.046, 0.024}, 0.0034}}), 0.005);
+    return blend(d, tube(x, {{{0.000, 0.004, -0.006}, 0.0065}, {{0.022, 0.020, 0.010}, 0.0055}, {{0.050, 0.026, 0.016}, 0.0044}, {{0.078, 0.028, 0.016}, 0.0032}}), 0.006);
+}
+
+/// The hepatic veins: three, together where they leave at the upper rear.
+inline double hepatic_veins(const Point& x) {
+    const TubeNode out{{-0.006, 0.052, -0.026}, 0.0075};
+    double d = tube(x, {out, {{-0.030, 0.040, -0.022}, 0.0062}, {{-0.062, 0.014, -0.018}, 0.0050}, {{-0.082, -0.018, -0.012}, 0.0036}});
+    d = blend(d, tube(x, {out, {{-0.012, 0.034, 0.006}, 0.0060}, {{-0.020, 0.014, 0.028}, 0.0046}, {{-0.026, -0.004, 0.036}, 0.0034}}), 0.005);
+    return blend(d, tube(x, {out, {{0.020, 0.040, -0.006}, 0.0056}, {{0.050, 0.034, 0.004}, 0.0044}, {{0.072, 0.032, 0.008}, 0.0032}}), 0.005);
+}
+
+/// The vessels and their sheath, which makes them stiffer than the tissue around them.
+inline double liver_vessels(const Point& x) { return std::min(portal_vein(x), hepatic_veins(x)); }
 
 }  // namespace supple_assets

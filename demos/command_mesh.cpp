@@ -19,7 +19,7 @@ struct MeshOptions {
     std::string in, out, format;
     double scale = 1;
     std::string unit = "m", up = "y";
-    bool as_json = false, keep_faults = false;
+    bool as_json = false, keep_faults = false, drop_fill = false;
 
     io::MeshUnits units() const { return {scale, unit, up}; }
 };
@@ -102,7 +102,10 @@ int convert(const MeshOptions& o) {
     const io::OutputFormat& format = io::choose_volume_format(o.out, o.format);
     if (!format.loses.empty() && !(mesh.regions.empty() && mesh.groups.empty()))
         std::fprintf(stderr, "supple: %s: %s files cannot hold %s\n", o.out.c_str(), std::string(format.title).c_str(), std::string(format.loses).c_str());
-    format.write(o.out, mesh);
+    if (o.drop_fill) mesh.fill.clear();
+    if (!mesh.fill.empty() && format.key.substr(0, 4) != "gmsh")
+        throw Error(ErrorCode::unsupported, o.out, "this mesh has elements that are filled in part, which only Gmsh files (.msh) hold; --drop-fill writes them as full ones");
+    io::write_mesh(o.out, mesh, o.format);
     return kAllWell;
 }
 
@@ -143,6 +146,7 @@ void add_mesh_command(CLI::App& app, int& status) {
     convert_command->add_option("out", o->out, "file to write")->required();
     convert_command->add_option("--format", o->format, "one that `supple mesh formats` names [by the ending of the file]");
     convert_command->add_flag("--keep-faults", o->keep_faults, "do not repair inverted, flat and repeated elements");
+    convert_command->add_flag("--drop-fill", o->drop_fill, "write elements that are filled in part as full ones");
     add_units(*convert_command, *o);
     convert_command->callback([o, &status] { status = convert(*o); });
     CLI::App* formats_command = mesh->add_subcommand("formats", "list what is read and written");

@@ -9,8 +9,8 @@ struct MeshCost {
     double step_ms = 0;    ///< one implicit Euler step at 60 Hz, corotational tissue, one thread
 };
 
-/// Numbers per element and vertex measured with `supple run` on boxes of 10,000 to 170,000 elements (mesh_cost.cpp says how). Good to a
-/// factor of two: stiffness, step and shape decide how many iterations the solver takes.
+/// From measurements of boxes and of real meshes (mesh_cost.cpp lists them). Good to a factor of two: stiffness, step and shape decide how many iterations the solver
+/// takes, and a body that bends far takes more.
 MeshCost estimate_cost(const VolumeMesh& mesh);
 
 }  // namespace supple::demos

@@ -150,7 +150,7 @@ std::string volume_text(const VolumeMesh& mesh, const std::string& file, const F
              count == f.region_elements.end() ? std::size_t(0) : count->second);
     }
     for (const VertexGroup& group : mesh.groups) line(out, "  group       %s: %zu vertices", group.name.c_str(), group.vertices.size());
-    line(out, "  expect      about %.3g MB and %.3g ms a step on one thread (corotational, 60 Hz; within a factor of two)",
+    line(out, "  expect      about %.3g MB and %.3g ms a step on one thread (corotational, 60 Hz; to a factor of two, more where it bends far)",
          f.cost.memory_mb, f.cost.step_ms);
     for (const std::string& sentence : f.found) line(out, "  found       %s", sentence.c_str());
     if (f.found.empty()) line(out, "  found       nothing to repair");

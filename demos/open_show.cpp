@@ -89,6 +89,7 @@ fs::path find_asset(const std::string& name) {
     const fs::path program = fs::read_symlink("/proc/self/exe", ignored);
     if (!program.empty()) folders.push_back(program.parent_path() / SUPPLE_ASSETS_INSTALLED);
     folders.emplace_back(SUPPLE_ASSETS_SOURCE);
+    folders.emplace_back(SUPPLE_ASSETS_COOKED);
     std::string looked;
     for (const fs::path& folder : folders) {
         if (fs::exists(folder / name)) return folder / name;

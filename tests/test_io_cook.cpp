@@ -52,7 +52,7 @@ void expect_all_cook(std::size_t elements, double volume_tolerance) {
 }
 
 TEST(IoCook, EverySharedSurfaceCoarse) { expect_all_cook(4000, 0.15); }
-TEST(SlowIoCook, EverySharedSurfaceAtFiftyThousand) { expect_all_cook(50000, 0.035); }
+TEST(SlowIoCook, EverySharedSurfaceAtFiftyThousand) { expect_all_cook(50000, 0.02); }
 
 TEST(IoCook, FillGoesThroughGmshFiles) {
     const TemporaryFolder folder;

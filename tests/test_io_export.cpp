@@ -160,20 +160,9 @@ TEST(IoExport, AnAnimationAsGltf) {
     }
 }
 
-/// Runs a Python program with `meshio` over a folder. False, loudly, where there is none.
-bool python_with(const std::string& module, std::string& python) {
-    for (const char* candidate : {"/usr/bin/python3", "python3"}) {
-        python = candidate;
-        if (std::system((python + " -c 'import " + module + "' >/dev/null 2>&1").c_str()) == 0) return true;
-    }
-    std::cout << "skipped: python3 has no " << module << " (apt-get install python3-" << (module == "vtk" ? "vtk9" : module) << ")"
-              << std::endl;
-    return false;
-}
-
 TEST(IoExport, MeshioReadsWhatWeWrite) {
     std::string python;
-    if (!python_with("meshio", python)) return;
+    if (!test::python_with("meshio", python)) return;
     const test::TemporaryFolder folder;
     VolumeMesh mesh = make_tet_box({.max_m = {1, 2, 3}, .cells = {2, 1, 1}});
     mesh.vertices.push_back({5, 5, 5});
@@ -233,7 +222,7 @@ TEST(IoExport, MeshioReadsWhatWeWrite) {
 
 TEST(IoExport, WeReadWhatMeshioWrites) {
     std::string python;
-    if (!python_with("meshio", python)) return;
+    if (!test::python_with("meshio", python)) return;
     const test::TemporaryFolder folder;
     struct Row {
         const char *file, *options;

@@ -22,6 +22,16 @@ inline std::filesystem::path shared_data(const std::string& what) {
     return {};
 }
 
+/// A Python that has this module. False, loudly, where there is none.
+inline bool python_with(const std::string& module, std::string& python) {
+    for (const char* candidate : {"/usr/bin/python3", "python3"}) {
+        python = candidate;
+        if (std::system((python + " -c 'import " + module + "' >/dev/null 2>&1").c_str()) == 0) return true;
+    }
+    std::cout << "skipped: python3 has no " << module << " (apt-get install python3-" << (module == "vtkmodules" ? "vtk9" : module) << ")" << std::endl;
+    return false;
+}
+
 /// A folder of its own for a test, removed at the end.
 class TemporaryFolder {
 public:

@@ -1,10 +1,15 @@
 // The committed assets are what their program makes today, and they are good meshes.
+#include <algorithm>
 #include <fstream>
 
+#include "../assets/cooked.h"
 #include "../assets/organs.h"
 #include "mesh_helpers.h"
+#include "supple/base/parallel.h"
 #include "supple/mesh/quality.h"
 #include "supple/mesh/selection.h"
+#include "supple/mesh/skin.h"
+#include "supple/mesh/surface_check.h"
 
 namespace supple {
 namespace {
@@ -92,6 +97,43 @@ TEST(MeshAssets, LiverIsAGoodMeshOfTheRightSize) {
     EXPECT_LT(ligament.size(), 300u);
     for (const auto v : ligament) EXPECT_GT(mesh.vertices[v].y(), 0.02) << "hangs from above";
     EXPECT_EQ(select_elements(mesh, InGroup{"liver"}).size(), mesh.tets.size());
+}
+
+TEST(MeshAssets, CookedOnesFillTheirSkinsAndHaveTheirParts) {
+    Team team(2);
+    for (const supple_assets::Recipe& recipe : supple_assets::recipes()) {
+        SCOPED_TRACE(recipe.name);
+        const supple_assets::Asset asset = supple_assets::make_asset(recipe, team);
+        EXPECT_NEAR(asset.report.volume_m3 / asset.report.region_volume_m3, 1, 0.02);
+        EXPECT_EQ(asset.report.components, 1u);
+        EXPECT_NEAR(double(asset.mesh.element_count()), double(recipe.cook.elements), 0.06 * double(recipe.cook.elements));
+        if (recipe.cook.kind == CookKind::tets) {
+            EXPECT_GT(asset.report.quality.min_dihedral_deg, 8.9);
+            EXPECT_LT(asset.report.quality.max_dihedral_deg, 158.8);
+        }
+        EXPECT_TRUE(mesh::check_surface(asset.skin).is_closed());
+        EXPECT_GT(asset.skin.triangles.size(), 2 * extract_boundary(asset.mesh).triangles.size()) << "a fine skin over a coarse mesh";
+        const auto skin = Skin::build(asset.mesh, asset.skin);
+        EXPECT_LT(skin->embedding().report().farthest_m, asset.report.edge_m) << "no part of the skin is left without elements";
+        ASSERT_EQ(asset.inside.size(), recipe.inside.size());
+        std::vector<double> part(asset.mesh.regions.size(), 0);
+        for (const std::int32_t r : asset.mesh.element_region) part[std::size_t(r)] += 1;
+        for (std::size_t r = 0; r < part.size(); ++r) EXPECT_GT(part[r], 0.01 * double(asset.mesh.element_count())) << asset.mesh.regions[r].name;
+        for (const mesh::TriangleMesh& inside : asset.inside) EXPECT_TRUE(mesh::check_surface(inside).is_closed());
+        for (const VertexGroup& group : asset.mesh.groups) EXPECT_GT(group.vertices.size(), 50u);
+    }
+}
+
+TEST(MeshAssets, KidneyIsTheSameFromEveryTeam) {
+    const auto& all = supple_assets::recipes();
+    const auto kidney = std::find_if(all.begin(), all.end(), [](const auto& r) { return r.name == "kidney"; });
+    ASSERT_NE(kidney, all.end());
+    Team alone(1), three(3);
+    const supple_assets::Asset a = supple_assets::make_asset(*kidney, alone), b = supple_assets::make_asset(*kidney, three);
+    EXPECT_EQ(a.mesh.tets, b.mesh.tets);
+    EXPECT_EQ(a.mesh.vertices, b.mesh.vertices);
+    EXPECT_EQ(a.skin.vertices, b.skin.vertices);
+    EXPECT_NEAR(a.report.volume_m3, 1.5e-4, 0.6e-4) << "adult: about 150 ml";
 }
 
 }  // namespace

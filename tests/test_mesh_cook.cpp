@@ -96,6 +96,10 @@ TEST(MeshSolidRegion, VolumesOfClosedOverlappingHoledAndTurnedSurfaces) {
     // Two balls a distance of one apart: their union, not their sum.
     const double lens = std::numbers::pi / 12 * 5;
     EXPECT_NEAR(SolidRegion(joined(ball, sphere(40, Vec3(1, 0, 0), 1))).volume(team), 2 * kBall - lens, 0.02 * kBall);
+    // What lies inside of a part altogether bounds nothing, however many there are.
+    mesh::TriangleMesh nested = ball;
+    for (int i = 0; i < 12; ++i) nested = joined(nested, sphere(12, Vec3(0.05 * i - 0.3, 0.02 * i, 0), 0.4));
+    EXPECT_NEAR(SolidRegion(nested).volume(team), kBall, 0.006 * kBall);
     mesh::TriangleMesh holed = ball;
     std::erase_if(holed.triangles, [&](const Triangle& t) { return holed.vertices[std::size_t(t[0])].z() > 0.92; });
     EXPECT_NEAR(SolidRegion(holed).volume(team), kBall, 0.02 * kBall);
@@ -114,6 +118,42 @@ TEST(MeshCook, TetsOfAHoledSelfIntersectingSurface) {
     EXPECT_EQ(report.components, 1u);
     EXPECT_NEAR(volume_of(mesh), report.volume_m3, 1e-9);
     EXPECT_NEAR(report.volume_m3 / report.region_volume_m3, 1, 0.02);
+}
+
+/// A bar along the axes, of 4 x 1 x 1.
+mesh::TriangleMesh bar_surface() {
+    const VolumeMesh bar = make_hex_box({Vec3::Zero(), Vec3(4, 1, 1), {8, 2, 2}});
+    return {bar.vertices, extract_boundary(bar).triangles};
+}
+
+TEST(MeshCook, CurvedBoundariesAreLiftedAndFlatOnesStay) {
+    Team team(2);
+    // Inscribed, a ball at this edge loses 2 %.
+    CookReport report;
+    const VolumeMesh ball = cook(sphere(48, Vec3::Zero(), 1), {.edge_m = 0.4}, team, &report);
+    EXPECT_NEAR(report.volume_m3 / report.region_volume_m3, 1, 0.004);
+    EXPECT_GE(report.quality.min_dihedral_deg, 8.9);
+    EXPECT_LE(report.quality.max_dihedral_deg, 158.8);
+    double farthest = 0;
+    for (const Vec3& x : ball.vertices) farthest = std::max(farthest, x.norm());
+    EXPECT_GT(farthest, 1.005) << "lifted";
+    EXPECT_LT(farthest, 1.04) << "by what the triangles cut off, no more";
+    const VolumeMesh bar = cook(bar_surface(), {.edge_m = 0.23}, team, &report);
+    for (const Vec3& x : bar.vertices)
+        for (int k = 0; k < 3; ++k) {
+            ASSERT_GE(x[k], -1e-6) << "a flat side";
+            ASSERT_LE(x[k], (k == 0 ? 4 : 1) + 1e-6);
+        }
+}
+
+TEST(MeshCook, CountsAreMetWhereFlatSidesLieAlongTheLattice) {
+    Team team(2);
+    const mesh::TriangleMesh bar = bar_surface();
+    for (const CookKind kind : {CookKind::tets, CookKind::hexes, CookKind::cage})
+        for (const std::size_t wanted : {700u, 1000u, 1400u, 2000u, 2800u}) {
+            const VolumeMesh mesh = cook(bar, {.kind = kind, .elements = wanted}, team);
+            EXPECT_NEAR(double(mesh.element_count()), double(wanted), 0.05 * double(wanted) + 1) << int(kind);
+        }
 }
 
 TEST(MeshCook, HexFillSumsToTheVolume) {

@@ -440,6 +440,9 @@ TEST_F(Program, MeshConvertGoesBetweenFormats) {
     expect_refused(supple({"mesh", "convert", "skin.stl", "skin.msh"}), "mesh cook");
     expect_refused(supple({"mesh", "convert", "bar.msh", "bar.vtu", "--format", "vtu3"}), "vtu-base64");
     expect_refused(supple({"mesh", "info", "bar.msh", "--units", "furlong"}), "furlong");
+    ASSERT_EQ(supple({"mesh", "cook", "skin.stl", "--hexes", "--elements", "60", "--out", "cubes.msh"}).status, 0);
+    expect_refused(supple({"mesh", "convert", "cubes.msh", "cubes.vtu"}), "--drop-fill");
+    EXPECT_EQ(supple({"mesh", "convert", "cubes.msh", "cubes.vtu", "--drop-fill"}).status, 0);
     const Result formats = supple({"mesh", "formats"});
     EXPECT_NE(formats.out.find("gmsh41-binary"), std::string::npos) << formats.out;
 }

@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "supple/base/error.h"
+#include "supple/mesh/boundary_fit.h"
 #include "supple/mesh/embedding.h"
 #include "supple/mesh/lattice_hexes.h"
 #include "supple/mesh/manifold.h"
@@ -17,8 +18,9 @@ constexpr double kCrumb = 1e-3;         // of the volume
 constexpr double kCountTolerance = 0.05;
 constexpr double kLeastCageFill = 0.02; // what an empty tet of a cage weighs and resists
 constexpr double kBlock = 4;            // edges: places as large as this are asked for their sign at once
-constexpr int kFillDepth = 1;
-constexpr int kCountTries = 9;  // of lattices, before the nearest count is taken
+constexpr int kFillDepth = 1, kFillDepthOfFew = 2;  // halvings of what is partly filled; a coarse mesh can afford more, and needs them
+constexpr std::size_t kFew = 8000;
+constexpr int kCountTries = 9;  // of edges, before the lattice is shifted
 
 /// The parts of a mesh that share vertices: label per tet, volume per label.
 struct Parts {
@@ -62,11 +64,19 @@ std::size_t drop_crumbs(VolumeMesh& mesh) {
     return dropped;
 }
 
-StuffingDef lattice_around(const Box& box, double margin_m, double edge_m) {
+/// A lattice: how long its edges are, and where it lies.
+struct Lattice {
+    double edge_m = 0;
+    Vec3 shift = Vec3::Zero();  // in edges
+    bool operator==(const Lattice&) const = default;
+};
+
+StuffingDef lattice_around(const Box& box, double margin_m, const Lattice& lattice) {
     StuffingDef def;
     def.min_m = box.min_m - Vec3::Constant(margin_m);
     def.max_m = box.max_m + Vec3::Constant(margin_m);
-    def.edge_m = edge_m;
+    def.edge_m = lattice.edge_m;
+    def.shift = lattice.shift;
     return def;
 }
 
@@ -87,35 +97,37 @@ bool encloses(const VolumeMesh& mesh, const mesh::TriangleMesh& surface, Team& t
     return std::find(open.begin(), open.end(), 1) == open.end();
 }
 
-/// Cooks a region at one edge length or another.
+/// Cooks a region with one lattice or another.
 class Cook {
 public:
     Cook(const SolidRegion& region, const mesh::TriangleMesh& surface, CookKind kind, Team& team) : region_(region), surface_(surface), kind_(kind), team_(team) {}
 
-    std::size_t count(double edge_m) {
-        if (kind_ == CookKind::hexes) return count_hexes(region_, {.edge_m = edge_m, .depth = 0}, team_);
-        make_tets(edge_m);
+    std::size_t count(const Lattice& lattice) {
+        if (kind_ == CookKind::hexes) return count_hexes(region_, {.edge_m = lattice.edge_m, .shift = lattice.shift, .depth = 0}, team_);
+        make_tets(lattice);
         return mesh_.tets.size();
     }
 
-    VolumeMesh run(double edge_m, CookReport& report) {
-        report.edge_m = edge_m;
-        if (kind_ == CookKind::hexes) return fill_with_hexes(region_, {.edge_m = edge_m}, team_);
-        make_tets(edge_m);
+    VolumeMesh run(const Lattice& lattice, CookReport& report) {
+        report.edge_m = lattice.edge_m;
+        if (kind_ == CookKind::hexes) return fill_with_hexes(region_, {.edge_m = lattice.edge_m, .shift = lattice.shift}, team_);
+        make_tets(lattice);
         report.dropped_tets = dropped_;
         report.stuffing = stuffing_;
+        if (kind_ == CookKind::tets) fit_boundary(mesh_, region_, surface_, lattice.edge_m, team_);
         if (kind_ == CookKind::cage) measure_fill();
         return std::move(mesh_);
     }
 
 private:
-    void make_tets(double edge_m) {
-        if (edge_m == edge_m_ && !mesh_.tets.empty()) return;  // the last count
-        edge_m_ = edge_m;
+    void make_tets(const Lattice& lattice) {
+        if (lattice == lattice_ && !mesh_.tets.empty()) return;  // the last count
+        lattice_ = lattice;
+        const double edge_m = lattice.edge_m;
         if (kind_ == CookKind::tets) {
             const FarSigns far(region_, 0, kBlock * edge_m, team_);
             const auto shape = [&](const Vec3& x) { return far.signed_distance(x, edge_m); };
-            mesh_ = stuff_isosurface(shape, lattice_around(region_.box(), 0, edge_m), &stuffing_, &team_);
+            mesh_ = stuff_isosurface(shape, lattice_around(region_.box(), 0, lattice), &stuffing_, &team_);
             dropped_ = drop_crumbs(mesh_);
             return;
         }
@@ -124,18 +136,19 @@ private:
             const double margin = margin_ * edge_m;
             const FarSigns far(region_, margin, kBlock * edge_m, team_);
             const auto shape = [&](const Vec3& x) { return far.signed_distance(x, margin + edge_m) - margin; };
-            mesh_ = stuff_isosurface(shape, lattice_around(region_.box(), margin, edge_m), &stuffing_, &team_);
+            mesh_ = stuff_isosurface(shape, lattice_around(region_.box(), margin, lattice), &stuffing_, &team_);
             if (encloses(mesh_, surface_, team_)) return;
         }
     }
 
     void measure_fill() {
         mesh_.fill.resize(mesh_.tets.size());
+        const int depth = mesh_.tets.size() < kFew ? kFillDepthOfFew : kFillDepth;
         team_.for_range(mesh_.tets.size(), 32, [&](std::size_t begin, std::size_t end) {
             for (std::size_t e = begin; e < end; ++e) {
                 std::array<Vec3, 4> x;
                 for (std::size_t a = 0; a < 4; ++a) x[a] = mesh_.vertices[std::size_t(mesh_.tets[e][a])];
-                mesh_.fill[e] = std::max(region_.fraction(x, kFillDepth), kLeastCageFill);
+                mesh_.fill[e] = std::max(region_.fraction(x, depth), kLeastCageFill);
             }
         });
     }
@@ -145,41 +158,62 @@ private:
     CookKind kind_;
     Team& team_;
     double margin_ = 0.15;  // of a cage, in edges; what one length needed is where the next begins
-    double edge_m_ = 0;
+    Lattice lattice_;
     VolumeMesh mesh_;
     StuffingReport stuffing_;
     std::size_t dropped_ = 0;
 };
 
-/// Elements that a lattice makes of a shape: a part that goes with its volume and one that goes with its surface, n = per_cube V / e^3 + b / e^2. b is measured at a coarse
-/// lattice; what that cannot see is corrected by the count itself.
-double find_edge(Cook& cook, const SolidRegion& region, double volume_m3, const CookDef& def) {
-    const double per_volume = (def.kind == CookKind::hexes ? 1 : 12) * volume_m3, wanted = double(def.elements);
-    const auto edge_for = [&](double n, double b) {  // n e^3 = per_volume + b e, the larger b the larger e
-        double low = 0, high = 10 * std::cbrt(per_volume / n) + 10 * std::sqrt(std::max(b, 0.0) / n);
+/// Finds the lattice that makes so many elements of a shape. Their number has a part that goes with the shape's volume and one that goes with its surface,
+/// n = per_cube V / e^3 + b / e^2. b is measured at a coarse lattice; what that cannot see is corrected by the count itself.
+class LatticeSearch {
+public:
+    LatticeSearch(Cook& cook, const SolidRegion& region, double volume_m3, const CookDef& def)
+        : cook_(cook), per_volume_((def.kind == CookKind::hexes ? 1 : 12) * volume_m3), wanted_(double(def.elements)), longest_(0.5 * region.box().size().maxCoeff()) {}
+
+    /// A shape whose flat sides lie along the lattice gains or loses a layer at once: its count jumps over the wanted one at every edge. Shifted by parts of an edge that
+    /// differ from axis to axis, the lattice meets the sides one after the other.
+    Lattice run() {
+        static const std::array<Vec3, 5> kShifts{Vec3(0, 0, 0), Vec3(0.25, 0.125, 0.375), Vec3(0.375, 0.25, 0.125), Vec3(0.125, 0.375, 0.25), Vec3(0.3125, 0.0625, 0.1875)};
+        for (const Vec3& shift : kShifts) {
+            search(shift);
+            if (best_miss_ < kCountTolerance) break;
+        }
+        return best_;
+    }
+
+private:
+    double edge_for(double n, double b) const {  // n e^3 = per_volume + b e, the larger b the larger e
+        double low = 0, high = 10 * std::cbrt(per_volume_ / n) + 10 * std::sqrt(std::max(b, 0.0) / n);
         for (int i = 0; i < 100; ++i) {
             const double e = 0.5 * (low + high);
-            (per_volume + b * e > n * e * e * e ? low : high) = e;
+            (per_volume_ + b * e > n * e * e * e ? low : high) = e;
         }
         return 0.5 * (low + high);
-    };
-    const double longest = 0.5 * region.box().size().maxCoeff();
-    double edge = std::min(edge_for(std::max(wanted / 8, 8.0), 0), longest), best = edge, best_miss = 1e300;
-    double too_short = 0, too_long = 1e300;  // edges that make too many and too few: a count that jumps is closed in upon
-    for (int i = 0; i < kCountTries; ++i) {
-        const double n = double(cook.count(edge)), miss = std::abs(std::log(n / wanted));
-        (n > wanted ? too_short : too_long) = edge;
-        if (miss < best_miss) {
-            best_miss = miss;
-            best = edge;
-        }
-        if (best_miss < kCountTolerance) break;
-        const double b = (n - per_volume / (edge * edge * edge)) * edge * edge;
-        edge = std::min(b > 0 || i == 0 ? edge_for(wanted, b) : edge * std::pow(n / wanted, 1.0 / 3), longest);
-        if (edge <= too_short || edge >= too_long || i > 3) edge = too_short > 0 && too_long < 1e300 ? std::sqrt(too_short * too_long) : edge;
     }
-    return best;
-}
+
+    void search(const Vec3& shift) {
+        double edge = best_.edge_m > 0 ? best_.edge_m : std::min(edge_for(std::max(wanted_ / 8, 8.0), 0), longest_);
+        double too_short = 0, too_long = 1e300;  // edges that make too many and too few: a count that jumps is closed in upon
+        for (int i = 0; i < kCountTries; ++i) {
+            const double n = double(cook_.count({edge, shift})), miss = std::abs(std::log(n / wanted_));
+            (n > wanted_ ? too_short : too_long) = edge;
+            if (miss < best_miss_) {
+                best_miss_ = miss;
+                best_ = {edge, shift};
+            }
+            if (best_miss_ < kCountTolerance) return;
+            const double b = (n - per_volume_ / (edge * edge * edge)) * edge * edge;
+            edge = std::min(b > 0 || i == 0 ? edge_for(wanted_, b) : edge * std::pow(n / wanted_, 1.0 / 3), longest_);
+            if (edge <= too_short || edge >= too_long || i > 3) edge = too_short > 0 && too_long < 1e300 ? std::sqrt(too_short * too_long) : edge;
+        }
+    }
+
+    Cook& cook_;
+    double per_volume_, wanted_, longest_;
+    double best_miss_ = 1e300;
+    Lattice best_;
+};
 
 }  // namespace
 
@@ -212,7 +246,7 @@ VolumeMesh cook(const SolidRegion& region, const mesh::TriangleMesh& surface, do
         throw Error(ErrorCode::invalid_argument, "cook", "the surface encloses nothing: nowhere does it go more than half a time around; close it, or give its sheets a thickness");
     CookReport own;
     Cook at(region, surface, def.kind, team);
-    VolumeMesh mesh = at.run(def.edge_m > 0 ? def.edge_m : find_edge(at, region, region_volume_m3, def), own);
+    VolumeMesh mesh = at.run(def.edge_m > 0 ? Lattice{.edge_m = def.edge_m} : LatticeSearch(at, region, region_volume_m3, def).run(), own);
     own.region_volume_m3 = region_volume_m3;
     own.was_inside_out = region.was_inside_out();
     own.quality = tet_mesh_quality(mesh);

@@ -43,6 +43,7 @@ constexpr double kWorstMin_deg = 8.9, kWorstMax_deg = 158.8;
 BccLattice make_lattice(const StuffingDef& def) {
     require_in_range(def.alpha_long, 1e-3, 0.499, "StuffingDef.alpha_long", "keep the default");
     require_in_range(def.alpha_short, 1e-3, 0.499, "StuffingDef.alpha_short", "keep the default");
+    for (int k = 0; k < 3; ++k) require_in_range(def.shift[k], -0.5, 0.5, "StuffingDef.shift", "0 centres the lattice in the box");
     if (!(def.edge_m > 0) || !std::isfinite(def.edge_m)) refuse("StuffingDef.edge_m", to_text(def.edge_m) + " m; give a length > 0");
     BccLattice lattice;
     lattice.edge = def.edge_m;
@@ -53,7 +54,7 @@ BccLattice make_lattice(const StuffingDef& def) {
         if (!(extent > 0) || !std::isfinite(extent))
             refuse("StuffingDef.max_m", std::string(1, "xyz"[k]) + " runs from " + to_text(def.min_m[k]) + " to " + to_text(def.max_m[k]) +
                                             " m; give finite min < max");
-        cells[k] = std::ceil(extent / def.edge_m) + 3;  // a free layer of cells on every side, and room to centre the lattice
+        cells[k] = std::ceil(extent / def.edge_m) + 3;  // a free layer of cells on every side, and room to centre and shift the lattice
         points *= cells[k] + 1;
     }
     if (!(points <= 1 << 30))
@@ -61,7 +62,7 @@ BccLattice make_lattice(const StuffingDef& def) {
                                          " points; at most 2^30, give a longer edge or a smaller box");
     for (int k = 0; k < 3; ++k) {
         lattice.cells[k] = static_cast<int>(cells[k]);
-        lattice.origin[k] = 0.5 * (def.min_m[k] + def.max_m[k]) - 0.5 * lattice.cells[k] * def.edge_m;
+        lattice.origin[k] = 0.5 * (def.min_m[k] + def.max_m[k]) + (def.shift[k] - 0.5 * lattice.cells[k]) * def.edge_m;
     }
     return lattice;
 }

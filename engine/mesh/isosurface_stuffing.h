@@ -22,6 +22,8 @@ struct StuffingDef {
     double alpha_long = kAlphaLong;    ///< (0, 0.5)
     double alpha_short = kAlphaShort;  ///< (0, 0.5)
 
+    Vec3 shift = Vec3::Zero();  ///< moves the lattice by this part of an edge, -0.5..0.5: a flat side of the shape then meets it elsewhere
+
     static constexpr double kAlphaLong = 0.22383;
     static constexpr double kAlphaShort = 0.39700;
 };

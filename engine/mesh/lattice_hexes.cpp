@@ -10,6 +10,7 @@ namespace supple {
 namespace {
 
 constexpr int kFaceSamples = 4;
+constexpr double kBlock = 4;  // edges: places as large as this are asked at once
 
 class HexLattice {
 public:
@@ -18,13 +19,14 @@ public:
         if (!(def.edge_m > 0) || !std::isfinite(def.edge_m)) refuse(to_text(def.edge_m) + " m; give a length > 0");
         require_in_range(def.least_fill, 0, 0.999, "LatticeHexDef.least_fill", "keep the default");
         require_in_range(def.depth, 0, 6, "LatticeHexDef.depth", "keep the default");
+        for (int k = 0; k < 3; ++k) require_in_range(def.shift[k], -0.5, 0.5, "LatticeHexDef.shift", "0 centres the lattice");
         double cells = 1;
         for (int k = 0; k < 3; ++k) {
             const double along = std::ceil(region.box().size()[k] / def.edge_m * (1 + 1e-12)) + 1;
             cells *= along;
             if (!(cells <= 1 << 30)) refuse(to_text(def.edge_m) + " m makes more than 2^30 cubes; give a longer edge");
             cells_[k] = static_cast<std::int64_t>(along);
-            origin_[k] = region.box().centre()[k] - 0.5 * double(cells_[k]) * def.edge_m;
+            origin_[k] = region.box().centre()[k] + (def.shift[k] - 0.5 * double(cells_[k])) * def.edge_m;
         }
     }
 
@@ -48,10 +50,13 @@ private:
 
     void measure(Team& team) {
         fill_.resize(std::size_t(count()));
+        const double radius = 0.5 * std::sqrt(3.0) * def_.edge_m;
+        const FarSigns far(region_, radius, kBlock * def_.edge_m, team);
         team.for_range(fill_.size(), 64, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) {
                 const auto c = cell(std::int64_t(i));
-                fill_[i] = region_.fraction(Box{corner(c, 0, 0, 0), corner(c, 1, 1, 1)}, def_.depth);
+                const int side = far.side(corner(c, 0, 0, 0) + Vec3::Constant(0.5 * def_.edge_m));
+                fill_[i] = side != 0 ? double(side < 0) : region_.fraction(Box{corner(c, 0, 0, 0), corner(c, 1, 1, 1)}, def_.depth);
             }
         });
         number_.assign(fill_.size(), -1);

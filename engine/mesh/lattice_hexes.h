@@ -6,6 +6,7 @@ namespace supple {
 
 struct LatticeHexDef {
     double edge_m = 0.1;        ///< of the cubes, > 0
+    Vec3 shift = Vec3::Zero();  ///< moves the lattice by this part of an edge, -0.5..0.5; 0 centres it in the region's box
     double least_fill = 0.02;   ///< cubes filled less than this are left out, [0, 1)
     int depth = 1;              ///< cubes on the boundary are measured in 8^depth parts, 0..6
 };

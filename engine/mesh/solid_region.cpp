@@ -12,6 +12,7 @@ namespace {
 
 // A winding number this near to a whole number is not that of a place in or before a hole.
 constexpr double kSettled = 0.2;
+constexpr double kBeyond = 0.05;  // of a cell's side: a step across a surface
 
 /// Six times the enclosed volume, seen from the middle of the box: its sign says which way round an (almost) closed surface is wound.
 double six_volumes(const mesh::TriangleMesh& surface, const Vec3& middle) {
@@ -48,6 +49,8 @@ double SolidRegion::leaf_fraction(const Vec3& centre, double radius, double side
     const NearestPoint near = tree_.nearest(centre, radius);
     const bool is_inside = inside(centre);
     if (near.triangle < 0) return is_inside ? 1 : 0;  // in or before a hole
+    // Where parts overlap, sheets lie inside of the region that do not bound it: a step beyond them is inside too.
+    if (near.distance > 0 && inside(near.point + kBeyond * side / near.distance * (near.point - centre)) == is_inside) return is_inside ? 1 : 0;
     return plane_fraction(is_inside ? -near.distance : near.distance, side);
 }
 
@@ -122,14 +125,18 @@ FarSigns::FarSigns(const SolidRegion& region, double margin_m, double block_m, T
     });
 }
 
-double FarSigns::signed_distance(const Vec3& x, double limit) const {
+int FarSigns::side(const Vec3& x) const {
     const Vec3 cell = (x - origin_) / block_m_;
     std::array<std::int64_t, 3> c{};
     for (int axis = 0; axis < 3; ++axis) {
-        if (!(cell[axis] >= 0 && cell[axis] < double(blocks_[std::size_t(axis)]))) return region_.signed_distance(x, limit);
+        if (!(cell[axis] >= 0 && cell[axis] < double(blocks_[std::size_t(axis)]))) return 0;
         c[std::size_t(axis)] = std::int64_t(cell[axis]);
     }
-    const signed char sign = sign_[std::size_t(c[0] + blocks_[0] * (c[1] + blocks_[1] * c[2]))];
+    return sign_[std::size_t(c[0] + blocks_[0] * (c[1] + blocks_[1] * c[2]))];
+}
+
+double FarSigns::signed_distance(const Vec3& x, double limit) const {
+    const int sign = side(x);
     return sign == 0 ? region_.signed_distance(x, limit) : sign * limit;
 }
 

@@ -47,6 +47,9 @@ public:
     /// @param block_m   side of the blocks, > 0; made longer where the box would hold more than 2^21
     FarSigns(const SolidRegion& region, double margin_m, double block_m, Team& team);
 
+    /// -1 or 1 where the ball of radius margin_m around x is all inside or all outside; 0 where that is not known.
+    int side(const Vec3& x) const;
+
     /// As SolidRegion::signed_distance(); in a block far from the surface `limit` with its sign.
     double signed_distance(const Vec3& x, double limit) const;
 

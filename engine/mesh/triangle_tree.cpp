@@ -22,13 +22,29 @@ namespace {
 
 constexpr std::int32_t kLeafSize = 4;
 
-/// Twice the signed solid angle would be 2 x this: half of the solid angle of a triangle seen from the origin.
-double half_solid_angle(const Vec3& a, const Vec3& b, const Vec3& c) {
-    const double la = a.norm(), lb = b.norm(), lc = c.norm();
-    const double det = a.dot(b.cross(c));
-    if (det == 0) return 0;  // in its plane, or no triangle: a point of the surface itself belongs to neither side
-    return std::atan2(det, la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
-}
+/// A sum of half solid angles of triangles, seen from the origin. Each is the argument of a complex number, so their sum is that of the product, with whole turns
+/// counted: one arctangent for many triangles.
+class SolidAngles {
+public:
+    void add(const Vec3& a, const Vec3& b, const Vec3& c) {
+        const double det = a.dot(b.cross(c));
+        if (det == 0) return;  // in its plane, or no triangle: a point of the surface itself belongs to neither side
+        const double la = a.norm(), lb = b.norm(), lc = c.norm();
+        const double re = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
+        const double product_re = re_ * re - im_ * det, product_im = re_ * det + im_ * re;
+        // Two arguments of one sign whose sum has the other one have passed pi.
+        if ((im_ < 0) == (det < 0) && (product_im < 0) != (det < 0)) turns_ += det < 0 ? -1 : 1;
+        const double scale = 1 / (std::abs(product_re) + std::abs(product_im));
+        re_ = product_re * scale;
+        im_ = product_im * scale;
+    }
+
+    double sum() const { return std::atan2(im_ == 0 ? 0.0 : im_, re_) + 2 * std::numbers::pi * turns_; }
+
+private:
+    double re_ = 1, im_ = 0;  // argument in (-pi, pi]; the magnitude is of no interest
+    int turns_ = 0;
+};
 
 Vec3 area_vector(const std::array<Vec3, 3>& t) { return 0.5 * (t[1] - t[0]).cross(t[2] - t[0]); }
 
@@ -188,7 +204,8 @@ NearestPoint TriangleTree::nearest(const Vec3& x, double limit) const {
 
 double TriangleTree::winding_number(const Vec3& x, double accuracy) const {
     const auto nodes = tree_.nodes();
-    double far = 0, near = 0;
+    double far = 0;
+    SolidAngles near;
     std::array<std::int32_t, BoxTree::kMaxDepth> stack;
     int top = 0;
     stack[0] = 0;
@@ -207,20 +224,20 @@ double TriangleTree::winding_number(const Vec3& x, double accuracy) const {
         if (node.leaf()) {
             for (std::int32_t k = node.first; k < node.first + node.count; ++k) {
                 const Corners& t = corners_[std::size_t(k)];
-                near += half_solid_angle(t[0] - x, t[1] - x, t[2] - x);
+                near.add(t[0] - x, t[1] - x, t[2] - x);
             }
         } else {
             stack[std::size_t(top++)] = node.right;
             stack[std::size_t(top++)] = i + 1;
         }
     }
-    return (0.5 * far + near) * 0.5 * std::numbers::inv_pi;
+    return (0.5 * far + near.sum()) * 0.5 * std::numbers::inv_pi;
 }
 
 double TriangleTree::exact_winding_number(const Vec3& x) const {
-    double sum = 0;
-    for (const Corners& t : corners_) sum += half_solid_angle(t[0] - x, t[1] - x, t[2] - x);
-    return 0.5 * std::numbers::inv_pi * sum;
+    SolidAngles angles;
+    for (const Corners& t : corners_) angles.add(t[0] - x, t[1] - x, t[2] - x);
+    return 0.5 * std::numbers::inv_pi * angles.sum();
 }
 
 std::optional<RayHit> TriangleTree::first_hit(const Ray& ray) const {
