@@ -1,0 +1,57 @@
+#include "supple/haptics/tool_link.h"
+
+namespace supple::haptics {
+
+ToolLink::ToolLink(World& world, HapticLoop& loop, const ToolLinkDef& def) : world_(world), loop_(loop), def_(def), builder_(def.model) {
+    add_tool({loop.def().origin_m, {1, 0, 0, 0}});
+}
+
+ToolLink::~ToolLink() {
+    if (!collider_) return;
+    for (const ColliderId c : world_.colliders())
+        if (c == collider_) world_.remove_collider(collider_);
+}
+
+void ToolLink::add_tool(const Pose& pose) {
+    const LoopDef& loop = loop_.def();
+    const double K = loop.coupling.stiffness_n_m, h = world_.def().time_step_s;
+    ColliderDef def;
+    def.name = "haptic tool";
+    def.shape = def_.shape;
+    def.pose = pose;
+    def.friction = def_.friction;
+    def.motion = ColliderMotion::tool;
+    // The loop's proxy has no mass and no lag; the less the simulation's tool has of them, the better they agree.
+    def.mass_kg = def_.mass_kg > 0 ? def_.mass_kg : 0.1 * K * h * h;
+    def.coupling.stiffness_n_m = K;
+    def.coupling.damping_n_s_m = 0.1 * K * h;
+    def.coupling.max_force_n = loop.max_force_n / loop.force_scale;
+    if (collider_) world_.remove_collider(collider_);
+    collider_ = {};
+    collider_ = world_.add_collider(def);
+}
+
+void ToolLink::before_step() {
+    loop_.samples().update();
+    const ToolSample& s = loop_.samples().front();
+    if (s.tick == 0) return;
+    const Pose pose{s.handle_m, s.rotation_wxyz};
+    if (!placed_) add_tool(pose);
+    placed_ = true;
+    world_.move_collider(collider_, pose);
+}
+
+const ModelReport& ToolLink::after_step() {
+    LocalModel& model = loop_.models().back();
+    builder_.build(world_, collider_, model);
+    model.number = ++number_;
+    ready_ = true;
+    return builder_.report();
+}
+
+void ToolLink::publish() {
+    if (ready_) loop_.models().publish();
+    ready_ = false;
+}
+
+}  // namespace supple::haptics
