@@ -185,9 +185,9 @@ TEST(HapticsModel, SeesWhatComesBeforeItIsTouched) {
 
 TEST(HapticsModel, AtRestTheHandFeelsWhatTheSimulationSays) {
     double reference = 0;
-    for (const double rate : {1000.0, 120.0, 60.0, 30.0}) {
+    for (const double rate : {200.0, 60.0, 30.0}) {
         Bench b(rate, Bench::press(0.008, 0.3));
-        b.run(1.5);
+        b.run(1.2);
         const Vec3 simulated = b.world.collider_state(b.link.collider()).force_n;
         const ModelReport& cost = b.link.report();
         std::printf("%4.0f Hz: %.3f N; model of %zu contacts on %zu vertices in %.0f us: %.0f finding, %.0f patch, %.0f correction\n", rate, b.last.force_n.y(), cost.contacts,
@@ -195,15 +195,30 @@ TEST(HapticsModel, AtRestTheHandFeelsWhatTheSimulationSays) {
         EXPECT_GT(simulated.y(), 0.1);
         EXPECT_LT((b.last.force_n - simulated).norm(), 0.01 * simulated.norm()) << rate << " Hz: " << b.last.force_n.transpose() << " against " << simulated.transpose();
         EXPECT_LT(b.last.jump_n, 0.01 * simulated.norm());
-        if (rate == 1000) reference = simulated.y();
+        if (rate == 200) reference = simulated.y();
         EXPECT_NEAR(simulated.y(), reference, 0.02 * reference) << rate;
     }
 }
 
+TEST(HapticsModel, PullsWhatItHolds) {
+    // Down, a touch, hold, and 6 mm up: the hand is drawn down by what the simulation says, and let go it feels nothing.
+    Bench b(60, {.times_s = {0, 0.2, 0.4, 0.6}, .positions_m = {Vec3(0.003, 0.055, 0.002), Vec3(0.003, 0.0515, 0.002), Vec3(0.003, 0.0515, 0.002), Vec3(0.003, 0.0575, 0.002)}});
+    b.run(0.3);
+    EXPECT_GT(b.last.force_n.y(), 0);
+    EXPECT_GT(b.link.grab(0.001), 0u);
+    b.run(1.0);
+    const Vec3 held = b.last.force_n;
+    EXPECT_LT(held.y(), -0.1);
+    const Vec3 simulated = b.world.collider_state(b.link.collider()).coupling_force_n;  // what balances the pull in the simulation
+    EXPECT_LT((held + simulated).norm(), 0.02 * held.norm()) << held.transpose() << " against " << -simulated.transpose();
+    b.link.release();
+    b.run(0.5);
+    EXPECT_EQ(b.last.force_n, Vec3(0, 0, 0));
+}
+
 TEST(HapticsModel, TheSameBitsEveryTime) {
-    const auto run = [](int threads) {
+    const auto run = [] {
         Bench b(60, Bench::press(0.01, 0.1));
-        (void)threads;
         std::vector<double> forces;
         for (int i = 0; i < 20; ++i) {
             b.step();
@@ -211,9 +226,9 @@ TEST(HapticsModel, TheSameBitsEveryTime) {
         }
         return forces;
     };
-    const auto first = run(1);
+    const auto first = run();
     EXPECT_GT(std::abs(first.back()) + std::abs(first[first.size() - 2]), 0);
-    EXPECT_EQ(first, run(1));
+    EXPECT_EQ(first, run());
 }
 
 TEST(HapticsModel, ALinkLeavesNoTrace) {

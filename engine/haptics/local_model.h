@@ -19,6 +19,7 @@ struct LocalContact {
     Vec3 force_n = Vec3::Zero();     ///< on the tool in the simulation
     Vec3 velocity_m_s = Vec3::Zero();///< of the surface
     double friction = 0;
+    bool holds = false;              ///< the tool has taken hold of the point: it pulls as it pushes, and nothing slides
 };
 
 /// What a simulation tells a servo loop about the neighbourhood of its tool: with the tool at tool_m the contacts have these gaps and forces; where the forces

@@ -29,6 +29,22 @@ ModelBuilder::ModelBuilder(const ModelBuilderDef& def) : def_(def) {
     require_in_range(def.correction_tolerance, 1e-12, 0.5, "ModelBuilderDef.correction_tolerance");
 }
 
+void ModelBuilder::find_held(const World& world, std::span<const HeldPoint> held) {
+    for (const HeldPoint& h : held) {
+        const AttachmentState state = world.attachment_state(h.attachment);
+        if (state.broken) continue;
+        Candidate c;
+        c.body = h.body;
+        c.contact.position_m = state.point_m;
+        c.contact.force_n = -state.force_n;
+        c.contact.velocity_m_s = world.velocities(h.body)[std::size_t(h.vertex)];
+        c.contact.holds = true;
+        c.rows = {{h.vertex, 1.0}};
+        c.press_n = state.force_n.norm();
+        found_.push_back(c);
+    }
+}
+
 /// The contacts of the step, with their forces.
 void ModelBuilder::find_pressed(const World& world, ColliderId tool) {
     for (const ContactPoint& c : world.contacts()) {
@@ -105,9 +121,13 @@ void ModelBuilder::find_near(const World& world, ColliderId tool) {
     }
 }
 
-/// Contacts of one body that lie together become one, with the sum of their forces, where there are more than `most`: around those that lie farthest apart.
-void ModelBuilder::merge(std::size_t most) {
+/// Where there are more than `most`, contacts of one body that lie together become one, with the sum of their forces: around those that lie farthest apart. The first
+/// `from` stay as they are.
+void ModelBuilder::merge(std::size_t from, std::size_t most) {
     if (found_.size() <= most) return;
+    std::vector<Candidate> kept(found_.begin(), found_.begin() + std::ptrdiff_t(from));
+    found_.erase(found_.begin(), found_.begin() + std::ptrdiff_t(from));
+    most -= from;
     const std::size_t n = found_.size();
     std::vector<std::size_t> seed{std::size_t(std::max_element(found_.begin(), found_.end(), [](const auto& a, const auto& b) { return a.press_n < b.press_n; }) - found_.begin())};
     std::vector<double> distance(n, HUGE_VAL);
@@ -127,7 +147,7 @@ void ModelBuilder::merge(std::size_t most) {
         if (seed.size() == most) break;
         seed.push_back(std::size_t(std::max_element(distance.begin(), distance.end()) - distance.begin()));
     }
-    std::vector<Candidate> merged;
+    std::vector<Candidate>& merged = kept;
     for (std::size_t g = 0; g < seed.size(); ++g) {
         Candidate sum;
         sum.body = found_[seed[g]].body;
@@ -249,12 +269,14 @@ void ModelBuilder::correct(const BodyResponse& response, Memory& memory, std::sp
     memory.far_field = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0).asDiagonal() * eigen.eigenvectors().transpose();
 }
 
-const ModelReport& ModelBuilder::build(const World& world, ColliderId tool, LocalModel& model) {
+const ModelReport& ModelBuilder::build(const World& world, ColliderId tool, LocalModel& model, std::span<const HeldPoint> held) {
     const Stopwatch watch;
     report_ = {};
     found_.clear();
+    find_held(world, held);
+    const std::size_t holds = found_.size();
     find_pressed(world, tool);
-    merge(kMostPressed);
+    merge(holds, kMostPressed);
     find_near(world, tool);
     model.step_s = world.def().time_step_s;
     model.tool_m = world.collider_state(tool).pose.position_m;

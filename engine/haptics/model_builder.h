@@ -7,11 +7,20 @@
 
 namespace supple::haptics {
 
+inline constexpr std::size_t kMostHeld = 8;
+
 struct ModelBuilderDef {
     std::size_t patch_vertices = 120;  ///< of a body, condensed by a dense factor, [8, 400]; its cost grows with the third power
     double reach_m = 0;                ///< gaps up to this are watched; 0: half an edge of the body, and what 0.5 m/s go in a step
     int correct_every = 4;             ///< steps between solves of the full system, [0, 1000]; 0: the rim of the patch stays clamped
     double correction_tolerance = 1e-3;///< of these, (0, 0.5]
+};
+
+/// A vertex that the tool has taken hold of.
+struct HeldPoint {
+    AttachmentId attachment;
+    BodyId body;
+    std::int32_t vertex = -1;
 };
 
 /// What a model cost and what it holds.
@@ -36,7 +45,8 @@ public:
     /// @error Error(invalid_argument) naming the field
     explicit ModelBuilder(const ModelBuilderDef& def = {});
     /// Fills `model` but for its number.
-    const ModelReport& build(const World& world, ColliderId tool, LocalModel& model);
+    /// @param held  attachments to the tool: they come first, at most kMostHeld
+    const ModelReport& build(const World& world, ColliderId tool, LocalModel& model, std::span<const HeldPoint> held = {});
     const ModelReport& report() const { return report_; }
 
 private:
@@ -57,9 +67,10 @@ private:
         int steps_left = 0;
     };
 
+    void find_held(const World& world, std::span<const HeldPoint> held);
     void find_pressed(const World& world, ColliderId tool);
     void find_near(const World& world, ColliderId tool);
-    void merge(std::size_t most);
+    void merge(std::size_t from, std::size_t most);
     void fill_body(const World& world, ColliderId tool, BodyId body, LocalModel& model);
     void correct(const BodyResponse& response, Memory& memory, std::span<const std::size_t> places, const LocalModel& model);
 

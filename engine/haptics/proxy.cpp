@@ -1,5 +1,7 @@
 #include "supple/haptics/proxy.h"
 
+#include <Eigen/LU>
+
 namespace supple::haptics {
 
 namespace {
@@ -37,6 +39,16 @@ Vec3 Proxy::solve(const Vec3& x, double stiffness, double age_s) noexcept {
         double moved = 0, total = 0;
         for (std::size_t i = 0; i < n; ++i) {
             const LocalContact& c = model_.contact[i];
+            if (c.holds) {
+                Mat3 D = soft * Mat3::Identity();
+                for (std::size_t e = 0; e < 9; ++e) D(Eigen::Index(e / 3), Eigen::Index(e % 3)) += model_.W(3 * i + e / 3, 3 * i + e % 3);
+                const Vec3 change = -(D.inverse() * s_[i]);
+                r_[i] += change;
+                total += r_[i].norm();
+                moved += change.norm();
+                for (std::size_t j = 0; j < n; ++j) s_[j] += soft * change + block(j, i, change);
+                continue;
+            }
             const Vec3& normal = c.normal;
             const Vec3 answer = block(i, i, normal);
             const double along = soft + normal.dot(answer);
@@ -62,7 +74,7 @@ Vec3 Proxy::solve(const Vec3& x, double stiffness, double age_s) noexcept {
     for (std::size_t j = 0; j < n; ++j) {
         sum += r_[j];
         touching_ += r_[j].squaredNorm() > 0;
-        penetration_ = std::max(penetration_, -model_.contact[j].normal.dot(s_[j]));
+        if (!model_.contact[j].holds) penetration_ = std::max(penetration_, -model_.contact[j].normal.dot(s_[j]));
     }
     p_ = x + soft * sum;
     return sum;
@@ -71,6 +83,7 @@ Vec3 Proxy::solve(const Vec3& x, double stiffness, double age_s) noexcept {
 void Proxy::settle() noexcept {
     for (std::size_t i = 0; i < model_.contacts; ++i) {
         const LocalContact& c = model_.contact[i];
+        if (c.holds) continue;
         const double pressing = c.normal.dot(r_[i]);
         const Vec3 rubbing = r_[i] - pressing * c.normal, slide = s_[i] - c.normal.dot(s_[i]) * c.normal;
         // What is free, or at the cone, goes on from where it is.

@@ -1,5 +1,9 @@
 #include "supple/haptics/tool_link.h"
 
+#include <algorithm>
+
+#include "supple/math/polar.h"
+
 namespace supple::haptics {
 
 ToolLink::ToolLink(World& world, HapticLoop& loop, const ToolLinkDef& def) : world_(world), loop_(loop), def_(def), builder_(def.model) {
@@ -7,6 +11,7 @@ ToolLink::ToolLink(World& world, HapticLoop& loop, const ToolLinkDef& def) : wor
 }
 
 ToolLink::~ToolLink() {
+    // Only what still lives: a world that was reset has let go of everything.
     if (!collider_) return;
     for (const ColliderId c : world_.colliders())
         if (c == collider_) world_.remove_collider(collider_);
@@ -43,10 +48,52 @@ void ToolLink::before_step() {
 
 const ModelReport& ToolLink::after_step() {
     LocalModel& model = loop_.models().back();
-    builder_.build(world_, collider_, model);
+    builder_.build(world_, collider_, model, held_);
     model.number = ++number_;
     ready_ = true;
     return builder_.report();
+}
+
+std::size_t ToolLink::grab(double reach_m) {
+    release();
+    const Pose pose = world_.collider_state(collider_).pose;
+    const Mat3 R = rotation_matrix(pose.rotation_wxyz);
+    struct Near {
+        double d;
+        BodyId body;
+        std::int32_t vertex;
+    };
+    std::vector<Near> near;
+    for (const BodyId body : world_.bodies()) {
+        std::vector<std::int32_t> surface;
+        for (const Triangle& t : world_.shape(body).boundary().triangles) surface.insert(surface.end(), t.begin(), t.end());
+        std::sort(surface.begin(), surface.end());
+        surface.erase(std::unique(surface.begin(), surface.end()), surface.end());
+        for (const std::int32_t v : surface) {
+            const double d = contact::distance(def_.shape, R.transpose() * (world_.positions(body)[std::size_t(v)] - pose.position_m)).d;
+            if (d <= reach_m) near.push_back({d, body, v});
+        }
+    }
+    std::stable_sort(near.begin(), near.end(), [](const Near& a, const Near& b) { return a.d < b.d; });
+    if (near.size() > kMostHeld) near.resize(kMostHeld);
+    for (const Near& n : near) {
+        AttachmentDef def;
+        def.body = n.body;
+        def.vertices[0] = n.vertex;
+        def.collider = collider_;
+        held_.push_back({world_.attach(def), n.body, n.vertex});
+    }
+    return held_.size();
+}
+
+void ToolLink::release() {
+    for (const HeldPoint& h : held_) {
+        try {
+            world_.detach(h.attachment);
+        } catch (const Error&) {  // went with its body, or with a reset
+        }
+    }
+    held_.clear();
 }
 
 void ToolLink::publish() {

@@ -25,6 +25,12 @@ public:
     const ModelReport& after_step();
     void publish();
 
+    /// Takes hold of the surface where the tool touches it: of at most kMostHeld vertices, the nearest first, within `reach_m` of the tool's surface.
+    /// Returns how many; none where there is nothing.
+    std::size_t grab(double reach_m);
+    void release();  ///< lets go; also before the world is reset, or a held body removed
+    bool holds() const { return !held_.empty(); }
+
     ColliderId collider() const { return collider_; }
     const ToolSample& sample() const { return loop_.samples().front(); }  ///< the one that before_step() took
     const ModelReport& report() const { return builder_.report(); }
@@ -37,6 +43,7 @@ private:
     ToolLinkDef def_;
     ModelBuilder builder_;
     ColliderId collider_;
+    std::vector<HeldPoint> held_;
     std::uint64_t number_ = 0;
     bool placed_ = false, ready_ = false;
 };

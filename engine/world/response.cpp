@@ -73,7 +73,7 @@ BodyResponse::BodyResponse(const World& world, BodyId id, ColliderId without) {
     if (!(parts_->scale > 0))
         throw Error(ErrorCode::invalid_argument, "BodyResponse", "\"" + body.name + "\" has made no step yet; its matrix is that of the last one: call World::step() first");
     for (const Contact& c : body.contacts.list) {
-        if (!c.closed || (without && c.attachment < 0 && c.collider == without.index)) continue;
+        if (!c.closed || (without && c.collider == without.index)) continue;
         Spring s;
         s.corners = c.rows().size();
         std::copy(c.rows().begin(), c.rows().end(), s.vertex.begin());

@@ -13,7 +13,7 @@ namespace supple {
 /// Reads the world only; valid until the world's next step or edit. float64.
 class BodyResponse {
 public:
-    /// @param without  a collider whose contacts are left out: the one whose force is asked about
+    /// @param without  a collider whose contacts and attachments are left out: the one whose force is asked about
     /// @error Error(stale_id); Error(invalid_argument) before the body's first step
     BodyResponse(const World& world, BodyId body, ColliderId without = {});
     ~BodyResponse();
