@@ -238,7 +238,13 @@ TEST(HapticsModel, ALinkLeavesNoTrace) {
     HapticLoop loop(device, {});
     {
         ToolLink link(world, loop, {});
-        EXPECT_EQ(world.colliders().size(), 1u);
+        link.before_step();
+        EXPECT_EQ(world.colliders().size(), 0u) << "not before the handle has said where it is";
+        device.put({Vec3(0.2, 0.3, 0)});
+        loop.tick(1e-3);
+        link.before_step();
+        ASSERT_EQ(world.colliders().size(), 1u);
+        EXPECT_EQ(world.collider_state(link.collider()).pose.position_m, Vec3(0.2, 0.3, 0));
     }
     EXPECT_EQ(world.colliders().size(), 0u);
 }

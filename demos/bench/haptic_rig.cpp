@@ -50,7 +50,7 @@ struct Handle {
         if (def.held) {
             hand = {.mass_kg = 0.15, .stiffness_n_m = 300, .damping_n_s_m = 5, .wanted = def.path};
         } else {
-            hand.push_n = Vec3(0, -def.push_n, 0);
+            if (def.path.times_s.empty()) d.start_m.y() = kTop_m + kBall_m + 0.0002;
         }
         simulated = std::make_unique<SimulatedDevice>(d, hand);
     }
@@ -129,6 +129,7 @@ HapticRun run_haptic_rig(const HapticRigDef& def) {
         const bool was = during;
         during = def.event != HapticEvent::none && t >= def.event_s && t < def.event_end_s;
         if (handle.simulated) {
+            if (!def.held && i == std::size_t(0.1 * def.haptic_hz)) handle.simulated->set_push(Vec3(0, -def.push_n, 0));  // once the force has faded in
             if (def.event == HapticEvent::bad_reading) handle.simulated->spoil(during);
             if (def.event == HapticEvent::unplug) handle.simulated->plug(!during);
         }

@@ -157,7 +157,7 @@ TickReport HapticLoop::tick(double dt_s) noexcept {
     report.energy_j = passivity_.taken_j();
     const auto& q = reading_.rotation_wxyz;
     const Eigen::Quaterniond turned = Eigen::Quaterniond(def_.axes) * Eigen::Quaterniond(q[0], q[1], q[2], q[3]);
-    samples_.back() = {ticks_, time_s_, x_, {turned.w(), turned.x(), turned.y(), turned.z()}, reading_.buttons, out, report.flags, report.gain};
+    samples_.back() = {ticks_, time_s_, x_, {turned.w(), turned.x(), turned.y(), turned.z()}, reading_.buttons, out, report.flags, report.gain, placed_};
     samples_.publish();
     return report;
 }

@@ -65,6 +65,7 @@ struct ToolSample {
     Vec3 force_n = Vec3::Zero();   ///< at the handle
     std::uint32_t flags = 0;
     double gain = 0;
+    bool placed = false;           ///< the handle has said where it is
 };
 
 /// The fast loop: device in, force out, once a tick, with the newest local model of the simulation. tick() depends on nothing but what came before: virtual time

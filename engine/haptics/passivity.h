@@ -1,5 +1,6 @@
 #pragma once
 #include <algorithm>
+#include <cmath>
 
 #include "supple/math/types.h"
 
@@ -8,7 +9,7 @@ namespace supple::haptics {
 /// Keeps account of the energy at the handle and damps away what the rendering made of nothing.
 ///
 /// Two accounts, both in joules. The port: E -= F.dx, what the rendered world has taken from the hand; it must not fall below zero. What was stored has come
-/// back when the tool is free, so the account then starts anew: a credit of the last touch cannot pay for the next.
+/// back when the tool is free, so the account then starts anew: a credit of the last touch cannot pay for the next, a debt of it fades in some hundredths of a second.
 /// The spring: a coupling F = k (p - x) that is sampled and held gives k |d(p - x)|^2 / 2 too much every tick. The account takes what goes in at its ends less what it
 /// stores, and adds what the device's own damping takes away; it is never in credit. A device that damps more than k T/2 is left alone.
 /// A deficit of either is taken back by a damper for one tick: alpha = deficit / (dt |v|^2), at most max_damping.
@@ -36,7 +37,10 @@ public:
         const double stored = now.stiffness / 2 * ((now.p - now.x).squaredNorm() - (last_.p - last_.x).squaredNorm());
         spring_j_ += last_.spring_force.dot(dp) - written_.dot(dx) - stored + own;
         spring_j_ = std::min(spring_j_, 0.0);
-        if (now.free) port_j_ = std::min(port_j_, 0.0);
+        if (now.free) {  // no credit, and a debt is forgotten soon: what is done in a touch is damped in it and right after, not in free air
+            port_j_ = std::min(port_j_, 0.0) * std::exp(-dt_s / kForget_s);
+            spring_j_ *= std::exp(-dt_s / kForget_s);
+        }
         const double deficit = std::max({-port_j_, -spring_j_, 0.0}), speed2 = dx.squaredNorm() / (dt_s * dt_s);
         if (!(deficit > 0) || !(speed2 > 0)) return Vec3::Zero();
         damping_ = std::min(deficit / (dt_s * speed2), max_damping_);
@@ -61,6 +65,7 @@ public:
     double lowest_j() const noexcept { return lowest_j_; }  ///< least of that: negative where the rendering gave more than it had taken
 
 private:
+    static constexpr double kForget_s = 0.02;
     double own_damping_, max_damping_;
     Tick last_{Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
     Vec3 written_ = Vec3::Zero();

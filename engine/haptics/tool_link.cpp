@@ -6,9 +6,7 @@
 
 namespace supple::haptics {
 
-ToolLink::ToolLink(World& world, HapticLoop& loop, const ToolLinkDef& def) : world_(world), loop_(loop), def_(def), builder_(def.model) {
-    add_tool({loop.def().origin_m, {1, 0, 0, 0}});
-}
+ToolLink::ToolLink(World& world, HapticLoop& loop, const ToolLinkDef& def) : world_(world), loop_(loop), def_(def), builder_(def.model) {}
 
 ToolLink::~ToolLink() {
     // Only what still lives: a world that was reset has let go of everything.
@@ -18,6 +16,7 @@ ToolLink::~ToolLink() {
 }
 
 void ToolLink::add_tool(const Pose& pose) {
+    // Not before the handle has said where it is: a tool that appears inside a body would tear it.
     const LoopDef& loop = loop_.def();
     const double K = loop.coupling.stiffness_n_m, h = world_.def().time_step_s;
     ColliderDef def;
@@ -31,24 +30,24 @@ void ToolLink::add_tool(const Pose& pose) {
     def.coupling.stiffness_n_m = K;
     def.coupling.damping_n_s_m = 0.1 * K * h;
     def.coupling.max_force_n = loop.max_force_n / loop.force_scale;
-    if (collider_) world_.remove_collider(collider_);
-    collider_ = {};
     collider_ = world_.add_collider(def);
 }
 
 void ToolLink::before_step() {
     loop_.samples().update();
     const ToolSample& s = loop_.samples().front();
-    if (s.tick == 0) return;
+    if (!s.placed) return;
     const Pose pose{s.handle_m, s.rotation_wxyz};
-    if (!placed_) add_tool(pose);
-    placed_ = true;
+    if (!collider_) add_tool(pose);
     world_.move_collider(collider_, pose);
 }
 
 const ModelReport& ToolLink::after_step() {
     LocalModel& model = loop_.models().back();
-    builder_.build(world_, collider_, model, held_);
+    model.contacts = 0;
+    model.step_s = world_.def().time_step_s;
+    model.tool_m = loop_.def().origin_m;
+    if (collider_) builder_.build(world_, collider_, model, held_);
     model.number = ++number_;
     ready_ = true;
     return builder_.report();
@@ -56,6 +55,7 @@ const ModelReport& ToolLink::after_step() {
 
 std::size_t ToolLink::grab(double reach_m) {
     release();
+    if (!collider_) return 0;
     const Pose pose = world_.collider_state(collider_).pose;
     const Mat3 R = rotation_matrix(pose.rotation_wxyz);
     struct Near {

@@ -15,13 +15,13 @@ struct ToolLinkDef {
 /// Around every step: before_step(), World::step(), after_step(); publish() when the loop may see the result (in real time at once).
 class ToolLink {
 public:
-    /// Adds the tool where the handle's zero is. World and loop must outlive the link.
+    /// The tool comes into the world with the first step after the loop's first reading. World and loop must outlive the link.
     ToolLink(World& world, HapticLoop& loop, const ToolLinkDef& def);
     ~ToolLink();  ///< removes it
     ToolLink(const ToolLink&) = delete;
     ToolLink& operator=(const ToolLink&) = delete;
 
-    void before_step();  ///< the tool's target is where the handle was last; the first time the tool is put there
+    void before_step();  ///< the tool's target is where the handle was last
     const ModelReport& after_step();
     void publish();
 
@@ -31,7 +31,7 @@ public:
     void release();  ///< lets go; also before the world is reset, or a held body removed
     bool holds() const { return !held_.empty(); }
 
-    ColliderId collider() const { return collider_; }
+    ColliderId collider() const { return collider_; }  ///< none before the handle has said where it is
     const ToolSample& sample() const { return loop_.samples().front(); }  ///< the one that before_step() took
     const ModelReport& report() const { return builder_.report(); }
 
@@ -45,7 +45,7 @@ private:
     ColliderId collider_;
     std::vector<HeldPoint> held_;
     std::uint64_t number_ = 0;
-    bool placed_ = false, ready_ = false;
+    bool ready_ = false;
 };
 
 }  // namespace supple::haptics
