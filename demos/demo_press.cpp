@@ -2,6 +2,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "demo.h"
 #include "framing.h"
@@ -32,7 +33,7 @@ public:
         : scene_(find_asset("liver.msh").string(), options.threads),
           device_(haptics::device_preset("touch"), haptics::read_trajectory(find_asset("press_hand.csv").string())),
           loop_(device_, scene_.loop()),
-          link_(scene_.world, loop_, scene_.link()) {
+          link_(std::in_place, scene_.world, loop_, scene_.link()) {
         SceneBounds bounds = bounds_of(scene_.world);
         bounds.min_m.y() -= 0.03;
         camera_ = frame_camera(bounds, Vec3(-0.25, 0.15, 1), 32);
@@ -42,12 +43,15 @@ public:
     World& world() override { return scene_.world; }
     double duration_s() const override { return 9.2; }
 
+    void let_go() override { link_.reset(); }  // the tool leaves the world
+
     void before_step() override {
-        run_beside_step(loop_, link_, scene_.world, [&](double time, const haptics::TickReport& tick) {
+        if (!link_) return;
+        run_beside_step(loop_, *link_, scene_.world, [&](double time, const haptics::TickReport& tick) {
             tick_ = tick;
             if (++ticks_ % 4 == 0) curve_.push_back({time, tick.force_n.norm()});
         });
-        if (link_.collider()) simulated_.push_back({scene_.world.time_s(), scene_.world.collider_state(link_.collider()).force_n.norm()});
+        if (link_->collider()) simulated_.push_back({scene_.world.time_s(), scene_.world.collider_state(link_->collider()).force_n.norm()});
     }
 
     void decorate(FrameView& view) override {
@@ -58,6 +62,7 @@ public:
         if (view.scale) view.scale->high = 3000;
         for (const Part& part : kParts)
             if (t >= part.from_s) view.caption = part.caption;
+        if (!link_) return;
         const Vec3 force = tick_.force_n;
         if (force.norm() > 0.02) {  // on the hand, from the tool's back outwards
             const Vec3 tail = tick_.proxy_m - (PressScene::kTool_m + 0.002) * scene_.inwards;
@@ -79,7 +84,7 @@ private:
     PressScene scene_;
     haptics::PlayedDevice device_;
     haptics::HapticLoop loop_;
-    haptics::ToolLink link_;
+    std::optional<haptics::ToolLink> link_;
     haptics::TickReport tick_;
     std::vector<std::array<double, 2>> curve_, simulated_;
     std::uint64_t ticks_ = 0;
