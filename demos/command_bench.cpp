@@ -1,8 +1,11 @@
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <thread>
 
 #include "bench/busy.h"
+#include "bench/haptic_scorecard.h"
 #include "bench/plot.h"
 #include "bench/results.h"
 #include "command.h"
@@ -81,6 +84,56 @@ int bench(const BenchOptions& o) {
     return good ? kAllWell : kRunFailed;
 }
 
+struct HapticOptions {
+    bool quick = false;
+    std::string json_file, check_file, write_file;
+    double seconds = 5;
+};
+
+int bench_haptics(const HapticOptions& o) {
+    require_writable(o.json_file);
+    require_writable(o.write_file);
+    const auto print = [](const std::string& text) {
+        std::fputs(text.c_str(), stdout);
+        std::fflush(stdout);
+    };
+    const std::vector<ScoreLine> lines = haptic_scorecard(o.quick, print);
+    bool good = true;
+    for (const ScoreLine& l : lines) good = good && l.good;
+    std::vector<std::string> times;
+    if (o.seconds > 0) {
+        print("Real time: the servo at 1 kHz beside a simulation that never rests (20,480 tets; not compared)\n");
+        const int cores = int(std::max(1u, std::thread::hardware_concurrency()));
+        for (int threads = 1;; threads = std::min(2 * threads, cores)) {
+            const HapticRealTime r = haptic_real_time(threads, o.seconds);
+            print(r.text());
+            times.push_back(r.json());
+            if (threads >= cores) break;
+        }
+    }
+    if (!o.json_file.empty())
+        io::write_text_file(o.json_file, JsonObject().add("scorecard", json_of(lines)).add("real_time", json_array(times)).block() + "\n");
+    if (!o.write_file.empty()) io::write_text_file(o.write_file, regression_text(lines));
+    if (!o.check_file.empty()) {
+        for (const std::string& sentence : differences(lines, o.check_file)) {
+            std::fprintf(stderr, "%s\n", sentence.c_str());
+            good = false;
+        }
+    }
+    return good ? kAllWell : kRunFailed;
+}
+
+void add_haptics(CLI::App& bench, int& status) {
+    auto o = std::make_shared<HapticOptions>();
+    CLI::App* command = bench.add_subcommand("haptics", "scorecard of the haptic loop in virtual time, and the servo's ticks in real time");
+    command->add_flag("--quick", o->quick, "one pair of rates, two devices");
+    command->add_option("--json", o->json_file, "write everything as JSON");
+    command->add_option("--check", o->check_file, "compare with a regression file; its tolerances decide");
+    command->add_option("--write-check", o->write_file, "write such a file");
+    command->add_option("--real-time", o->seconds, "seconds of the part in real time, per number of threads; 0: none [5]")->check(CLI::Range(0.0, 3600.0));
+    command->callback([o, &status] { status = bench_haptics(*o); });
+}
+
 }  // namespace
 
 void add_bench_command(CLI::App& app, int& status) {
@@ -104,7 +157,10 @@ void add_bench_command(CLI::App& app, int& status) {
                                                                                       {"block_jacobi", PreconditionerKind::block_jacobi},
                                                                                       {"lattice_multigrid", PreconditionerKind::lattice_multigrid},
                                                                                       {"scalar_laplacian", PreconditionerKind::scalar_laplacian}}));
-    command->callback([o, &status] { status = bench(*o); });
+    add_haptics(*command, status);
+    command->callback([o, command, &status] {
+        if (command->get_subcommands().empty()) status = bench(*o);
+    });
 }
 
 }  // namespace supple::demos

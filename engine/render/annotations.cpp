@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 #include "supple/render/color_map.h"
 #include "supple/render/legend.h"
@@ -78,6 +79,66 @@ void draw_caption(Overlay& o, const std::string& text, const Layout& at) {
         o.text(x + pad, y + 0.55f * pad + o.ascent(size) + line * float(i) + 0.5f * (line - float(size)), size, kInk, lines[i]);
 }
 
+Rgba opaque(const std::array<float, 3>& c) {
+    const auto byte = [](float v) { return std::uint8_t(std::lround(255 * std::clamp(v, 0.0f, 1.0f))); };
+    return {byte(c[0]), byte(c[1]), byte(c[2]), 255};
+}
+
+/// One column of pixels after the other, each as high as the curve in it: no line is thinner where it is steep.
+void draw_curve(Overlay& o, const PlotView& plot, const PlotView::Curve& curve, float x, float y, float w, float h, float thickness) {
+    const auto height_at = [&](double t) {
+        const auto after = std::lower_bound(curve.points.begin(), curve.points.end(), t, [](const auto& p, double value) { return p[0] < value; });
+        const auto& b = after == curve.points.end() ? curve.points.back() : *after;
+        const auto& a = after == curve.points.begin() ? b : *(after - 1);
+        const double s = b[0] > a[0] ? (t - a[0]) / (b[0] - a[0]) : 1;
+        return std::clamp((a[1] + s * (b[1] - a[1]) - plot.low) / (plot.high - plot.low), 0.0, 1.0);
+    };
+    const double per_pixel = (plot.end - plot.begin) / double(w);
+    for (float column = 0; column < w; column += 1) {
+        const double t = plot.begin + double(column) * per_pixel;
+        if (t + per_pixel < curve.points.front()[0] || t > curve.points.back()[0]) continue;
+        const double a = height_at(t), b = height_at(t + per_pixel);
+        const float top = y + h * float(1 - std::max(a, b)), bottom = y + h * float(1 - std::min(a, b));
+        o.box(x + column, top - thickness / 2, 1.6f, bottom - top + thickness, 0, opaque(curve.color));
+    }
+}
+
+void draw_plot(Overlay& o, const PlotView& plot, const Layout& at) {
+    const int size = at.font(16);
+    const float pad = 12 * at.unit, w = std::round(0.30f * float(at.width)), h = std::round(0.15f * float(at.height)), line = 1.25f * float(size);
+    const float panel_w = w + 2 * pad, panel_h = std::round(h + 2 * line + 1.6f * pad);
+    const float left = float(at.width) - panel_w - std::round(22 * at.unit), top = std::round(18 * at.unit);
+    const float x = std::round(left + pad), y = std::round(top + 0.8f * pad + line);
+    o.box(left, top, panel_w, panel_h, 9 * at.unit, kPanel);
+    float pen = left + pad;
+    const float baseline = top + 0.6f * pad + o.ascent(size);
+    o.text(pen, baseline, size, kInk, plot.title);
+    pen += o.text_width(size, plot.title) + 1.2f * float(size);
+    for (const PlotView::Curve& curve : plot.curves) {
+        if (curve.name.empty()) continue;
+        o.text(pen, baseline, size, opaque(curve.color), curve.name);
+        pen += o.text_width(size, curve.name) + 0.9f * float(size);
+    }
+    constexpr Rgba kLine{226, 231, 236, 70};
+    const float hair = std::max(1.0f, std::round(at.unit));
+    const auto number = [](double v) {
+        char text[32];
+        std::snprintf(text, sizeof text, "%.3g", v);
+        return std::string(text);
+    };
+    for (const double value : {plot.low, 0.5 * (plot.low + plot.high), plot.high}) {
+        const float at_y = std::round(y + h * float(1 - (value - plot.low) / (plot.high - plot.low)));
+        o.box(x, at_y, w, hair, 0, kLine);
+        if (value != plot.low) o.text(x + 3 * at.unit, at_y + o.ascent(size) + 1, size, kQuietInk, number(value));
+    }
+    const float foot = y + h + o.ascent(size) + 3 * at.unit;
+    o.text(x, foot, size, kQuietInk, number(plot.begin) + " s");
+    const std::string last = number(plot.end) + " s";
+    o.text(x + w - o.text_width(size, last), foot, size, kQuietInk, last);
+    for (const PlotView::Curve& curve : plot.curves)
+        if (!curve.points.empty()) draw_curve(o, plot, curve, x, y, w, h, std::max(2.0f, 2 * at.unit));
+}
+
 void draw_labels(Overlay& o, const FrameView& view, const Layout& at) {
     const int size = at.font(16);
     const float pad = 6 * at.unit;
@@ -104,6 +165,7 @@ void annotate(Overlay& overlay, const FrameView& view, bool with_legend, int wid
     overlay.begin(width, height);
     draw_labels(overlay, view, layout);
     if (with_legend) draw_legend(overlay, *view.scale, layout);
+    if (view.plot && view.plot->end > view.plot->begin && view.plot->high > view.plot->low) draw_plot(overlay, *view.plot, layout);
     if (!view.hud.empty()) draw_hud(overlay, view.hud, layout);
     if (!view.caption.empty()) draw_caption(overlay, view.caption, layout);
 }

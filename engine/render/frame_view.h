@@ -68,6 +68,18 @@ struct Camera {
     double fov_deg = 40;  ///< vertical, 1..170
 };
 
+/// A number over time, drawn into the upper right corner: a force on a hand.
+struct PlotView {
+    std::string title;                              ///< UTF-8, one line; its unit belongs in it
+    double begin = 0, end = 1, low = 0, high = 1;   ///< of the axes, begin < end and low < high; a round `high` is written beside its line
+    struct Curve {
+        std::vector<std::array<double, 2>> points;  ///< ascending in the first number; what lies outside of the axes is cut off
+        std::array<float, 3> color{1.0f, 0.85f, 0.2f};  ///< sRGB 0..1
+        std::string name;                           ///< written beside the title in its colour; empty = none
+    };
+    std::vector<Curve> curves;
+};
+
 /// Everything that one picture shows. The renderer reads nothing else: no World, no file.
 struct FrameView {
     std::vector<SurfaceView> surfaces;
@@ -75,6 +87,7 @@ struct FrameView {
     std::vector<ArrowView> arrows;
     std::vector<MarkerView> markers;
     std::vector<LabelView> labels;
+    std::optional<PlotView> plot;
     std::optional<ColorScale> scale;        ///< needed if a surface or points have a scalar; its legend is drawn then
     std::optional<double> ground_height_m;  ///< along `camera.up`; catches the shadow
     Camera camera;

@@ -70,6 +70,8 @@ public:
     Eigen::SparseMatrix<double> matrix(SystemMatrix which) const;
 
 private:
+    friend class BodyResponse;
+    const World::Impl& impl() const { return *world_->impl_; }
     const World* world_;
     BodyId body_;
 };
