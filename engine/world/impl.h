@@ -28,6 +28,8 @@ struct World::Impl {
     std::size_t living_attachments = 0;
     std::vector<solve::EliminatedBody> eliminated;  ///< scratch of a step: colliders that yield to the body at work
 
+    std::vector<std::unique_ptr<Body>> retired;  ///< bodies before an edit whose preconditioner is still being built on its thread
+
     std::uint64_t step = 0;
     double accumulator_s = 0;
     std::vector<solve::AppendedRow> appended;  ///< scratch of a step: rows of one body
