@@ -271,8 +271,7 @@ private:
                 mesh::FaceKey key{-1, -1, -1, -1};
                 for (std::size_t k = 0; k < 3; ++k) key[k] = parts_[i].vertex[std::size_t(f[k])];
                 if (!is_zero(key[0]) || !is_zero(key[1]) || !is_zero(key[2])) continue;
-                std::sort(key.begin(), key.begin() + 3);
-                sides[key].push_back(std::int32_t(i));
+                sides[mesh::ascending(key, 3)].push_back(std::int32_t(i));
             }
         }
         torn_.clear();
@@ -338,8 +337,7 @@ private:
         std::set<mesh::FaceKey> torn;
         for (mesh::FaceKey key : torn_) {
             for (std::size_t k = 0; k < 3; ++k) key[k] = numbered(key[k]);
-            std::sort(key.begin(), key.begin() + 3);
-            torn.insert(key);
+            torn.insert(mesh::ascending(key, 3));
         }
         tear_hexes(draft, torn);
         std::set<std::int32_t> affected;

@@ -14,11 +14,6 @@ namespace supple::mesh {
 
 namespace {
 
-FaceKey ascending(FaceKey v, int corners) {
-    std::sort(v.begin(), v.begin() + corners);
-    return v;
-}
-
 bool holds(const FaceKey& key, std::int32_t vertex) { return std::find(key.begin(), key.end(), vertex) != key.end(); }
 
 double volume_of(const std::vector<Vec3>& x, const DraftElement& e) {

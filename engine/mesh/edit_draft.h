@@ -18,6 +18,12 @@ struct DraftElement {
 /// Vertices of a face ascending, -1 behind three: its name.
 using FaceKey = std::array<std::int32_t, 4>;
 
+inline FaceKey ascending(FaceKey v, std::size_t corners) {
+    for (std::size_t i = 1; i < corners; ++i)  // four at most: no library sort
+        for (std::size_t k = i; k > 0 && v[k] < v[k - 1]; --k) std::swap(v[k], v[k - 1]);
+    return v;
+}
+
 /// A mesh under edit. Elements 0.. are those of the old mesh, parts of tets follow. Vertices keep their numbers until finish().
 class Draft {
 public:
