@@ -12,7 +12,7 @@ namespace supple::demos {
 namespace {
 
 constexpr double kSize_m = 0.12, kBurr_m = 0.014;
-constexpr int kCells = 20;
+constexpr int kCells = 16;
 
 WorldDef world_def(const ShowOptions& options) {
     WorldDef def;

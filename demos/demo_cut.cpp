@@ -47,7 +47,7 @@ public:
         const double x = bounds_.min_m.x() + 0.52 * size.x();
         for (const double z : {bounds_.max_m.z() + 0.03, bounds_.min_m.z() - 0.03}) {
             blade_.from_m.push_back(Vec3(x, bounds_.max_m.y() + 0.02, z));
-            blade_.to_m.push_back(Vec3(x + 0.012, bounds_.min_m.y() + 0.34 * size.y(), z));
+            blade_.to_m.push_back(Vec3(x + 0.012, bounds_.min_m.y() + 0.60 * size.y(), z));
         }
         blade_.begin_s = kCutBegin_s;
         blade_.end_s = kCutEnd_s;
@@ -73,7 +73,7 @@ public:
         else if (t < kCutEnd_s)
             view.caption = "A blade goes through: elements are split along it, the lips gape";
         else
-            view.caption = "Cut open: little stress is left along the lips, much at the end of the cut";
+            view.caption = "Open: little stress is left along the lips, much at the end of the cut";
         if (playing_ && t > kCutBegin_s - 0.8 && t < kCutEnd_s + 0.2) {
             const double s = std::clamp((t - kCutBegin_s) / (kCutEnd_s - kCutBegin_s), 0.0, 1.0);
             const Vec3 a = (1 - s) * blade_.from_m[0] + s * blade_.to_m[0], b = (1 - s) * blade_.from_m[1] + s * blade_.to_m[1];
