@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "statistics.h"
+#include "supple/io/report.h"
 
 namespace supple::demos {
 namespace {
@@ -11,7 +12,7 @@ constexpr std::size_t kWindow = 30;  // steps
 
 }  // namespace
 
-Hud::Hud(const World& world) : summary_(summary_of(world)) {}
+Hud::Hud(const World& world) : world_(&world), threads_(summary_of(world).threads) {}
 
 void Hud::add(const StepReport& report) {
     last_ms_.push_back(report.step_ms);
@@ -22,9 +23,11 @@ void Hud::add(const StepReport& report) {
 }
 
 std::string Hud::text() const {
+    std::size_t elements = 0;  // edits change it
+    for (const BodyId body : world_->bodies()) elements += world_->shape(body).mesh().element_count();
     char line[160];
     std::snprintf(line, sizeof line, "step %.1f ms   %.0f iterations   %zu elements   %d thread%s", io::median(last_ms_),
-                  io::median(last_iterations_), summary_.elements, summary_.threads, summary_.threads == 1 ? "" : "s");
+                  io::median(last_iterations_), elements, threads_, threads_ == 1 ? "" : "s");
     return line;
 }
 

@@ -2,7 +2,6 @@
 #include <string>
 #include <vector>
 
-#include "supple/io/report.h"
 #include "supple/world/world.h"
 
 namespace supple::demos {
@@ -10,12 +9,13 @@ namespace supple::demos {
 /// The line at the top left of a picture: medians of the last steps, so that the digits can be read.
 class Hud {
 public:
-    explicit Hud(const World& world);
+    explicit Hud(const World& world);  ///< which must outlive it
     void add(const StepReport& report);
     std::string text() const;
 
 private:
-    io::RunSummary summary_;
+    const World* world_;
+    int threads_;
     std::vector<double> last_ms_, last_iterations_;
 };
 

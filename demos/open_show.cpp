@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 class SceneShow : public Show {
 public:
     SceneShow(const io::Scene& scene, std::string name)
-        : world_(io::build_world(scene)), probes_(io::make_probes(scene, world_)), name_(std::move(name)) {
+        : world_(io::build_world(scene)), edits_(io::make_edits(scene, world_)), probes_(io::make_probes(scene, world_)), name_(std::move(name)) {
         if (scene.camera) {
             camera_.eye_m = scene.camera->eye_m;
             camera_.target_m = scene.camera->target_m;
@@ -32,6 +32,10 @@ public:
     }
 
     World& world() override { return world_; }
+    void before_step() override {
+        if (edits_on_) edits_.before_step(world_);
+    }
+    void let_go() override { edits_on_ = false; }
     void decorate(FrameView& view) override {
         view.camera = camera_;
         if (world_.time_s() < 3) view.caption = name_;
@@ -41,6 +45,8 @@ public:
 
 private:
     World world_;
+    EditScript edits_;
+    bool edits_on_ = true;
     std::vector<Probe> probes_;
     std::string name_;
     Camera camera_;

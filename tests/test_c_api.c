@@ -276,6 +276,40 @@ static void test_errors(const SuppleBodyDef* bar) {
     supple_world_destroy(NULL);
 }
 
+static void test_edits(const SuppleBodyDef* bar) {
+    SuppleWorld* world = NULL;
+    SuppleBodyId body, piece;
+    size_t before = 0, after = 0, triangles = 0, pieces = 0, made = 0, touched = 0;
+    const double from[6] = {0.0371, -1, -1, 0.0371, -1, 1}, to[6] = {0.0371, 1, -1, 0.0371, 1, 1};
+    const int32_t one[1] = {0}, outside[1] = {1 << 20};
+    int32_t undone = 0, few[3];
+    CHECK(supple_world_create(NULL, &world) != SUPPLE_OK);
+    {
+        SuppleWorldDef def;
+        CHECK(supple_world_def_default(&def, sizeof def) == SUPPLE_OK);
+        CHECK(supple_world_create(&def, &world) == SUPPLE_OK);
+    }
+    CHECK(supple_world_add_body(world, bar, &body) == SUPPLE_OK);
+    CHECK(supple_world_element_count(world, body, &before) == SUPPLE_OK);
+    CHECK(supple_world_triangle_count(world, body, &triangles) == SUPPLE_OK && triangles > 0);
+    CHECK_FAILS(supple_world_triangles(world, body, few, 3), SUPPLE_INVALID_ARGUMENT, "buffer");
+    CHECK(supple_world_cut(world, body, from, to, 2, &touched) == SUPPLE_OK && touched > 0);
+    CHECK(supple_world_element_count(world, body, &after) == SUPPLE_OK && after > before);
+    CHECK(supple_world_piece_count(world, body, &pieces) == SUPPLE_OK && pieces == 2);
+    CHECK(supple_world_step(world, NULL) == SUPPLE_OK);
+    CHECK(supple_world_undo_edit(world, body, &undone) == SUPPLE_OK && undone == 1);
+    CHECK(supple_world_element_count(world, body, &after) == SUPPLE_OK && after == before);
+    CHECK(supple_world_undo_edit(world, body, &undone) == SUPPLE_OK && undone == 0);
+    CHECK(supple_world_cut(world, body, from, to, 2, NULL) == SUPPLE_OK);
+    CHECK(supple_world_split_off_pieces(world, body, &piece, 1, &made) == SUPPLE_OK && made == 1);
+    CHECK(supple_world_piece_count(world, piece, &pieces) == SUPPLE_OK && pieces == 1);
+    CHECK(supple_world_remove_elements(world, body, one, 1, &touched) == SUPPLE_OK && touched >= 1);
+    CHECK_FAILS(supple_world_remove_elements(world, body, outside, 1, NULL), SUPPLE_INVALID_ARGUMENT, "outside");
+    CHECK_FAILS(supple_world_cut(world, body, from, to, 1, NULL), SUPPLE_INVALID_ARGUMENT, "two points");
+    CHECK(supple_world_step(world, NULL) == SUPPLE_OK);
+    supple_world_destroy(world);
+}
+
 /* A program built against a later header has longer structs: unknown fields may be zero, not set. */
 static void test_versions(void) {
     struct {
@@ -314,6 +348,7 @@ int main(void) {
     test_advance(&bar);
     test_bodies_touch(&bar);
     test_contact(&bar);
+    test_edits(&bar);
     test_errors(&bar);
     test_versions();
     test_words();

@@ -72,7 +72,7 @@ public:
         if (size > limit) throw Error(ErrorCode::corrupt_snapshot, "snapshot", std::string(what) + " has more entries than can be");
         need(size * sizeof(T), what);
         std::vector<T> x(size);
-        if (size != 0) std::memcpy(x.data(), bytes_.data() + at_, size * sizeof(T));
+        if (size != 0) std::memcpy(static_cast<void*>(x.data()), bytes_.data() + at_, size * sizeof(T));
         at_ += size * sizeof(T);
         return x;
     }

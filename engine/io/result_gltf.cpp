@@ -123,6 +123,9 @@ public:
         const std::vector<BodyId> bodies = world.bodies();
         if (bodies.size() != parts_.size())
             throw Error(ErrorCode::unsupported, file_.string(), "a body was added or removed during the animation; end it before");
+        for (std::size_t b = 0; b < bodies.size(); ++b)
+            if (world.edit_count(bodies[b]) != parts_[b].edits)
+                throw Error(ErrorCode::unsupported, file_.string(), "the mesh of \"" + world.name(bodies[b]) + "\" was edited, and a glTF animation has one mesh; write .pvd or .vtu instead");
         times_.push_back(float(world.time_s()));
         for (std::size_t b = 0; b < bodies.size(); ++b) {
             const auto positions = world.positions(bodies[b]);
@@ -169,10 +172,11 @@ private:
         std::string name;
         BodySurface surface;
         std::vector<std::vector<Vec3f>> frames, normals;
+        std::uint64_t edits = 0;  ///< of the mesh when the animation began
     };
 
     void begin(const World& world) {
-        for (const BodyId body : world.bodies()) parts_.push_back({world.name(body), body_surface(world.shape(body)), {}, {}});
+        for (const BodyId body : world.bodies()) parts_.push_back({world.name(body), body_surface(world.shape(body)), {}, {}, world.edit_count(body)});
         const Vec3 gravity = world.def().gravity_m_s2;
         const Vec3 up = gravity.norm() > 0 ? Vec3(-gravity.normalized()) : Vec3(0, 1, 0);
         const Eigen::Quaterniond q = Eigen::Quaterniond::FromTwoVectors(up, Vec3(0, 1, 0));

@@ -18,7 +18,7 @@ void require_keys(const JsonNode& node, std::vector<std::string_view> known, std
 Scene parse_scene(const std::string& text, const std::filesystem::path& folder, const std::string& name, int refine) {
     const nlohmann::json document = parse_json(text, name);
     const JsonNode root(document, name);
-    root.require_object({"supple_scene", "time_step_s", "gravity_m_s2", "threads", "solver", "bodies", "colliders", "contacts", "ties", "camera"});
+    root.require_object({"supple_scene", "time_step_s", "gravity_m_s2", "threads", "solver", "bodies", "colliders", "contacts", "ties", "camera", "events"});
     const JsonNode version = root.at("supple_scene", "a scene file begins with \"supple_scene\": 1");
     if (version.number() != 1)
         version.unsupported("version " + version.shown() + " of the scene format is not read; this build reads version 1");
@@ -38,6 +38,7 @@ Scene parse_scene(const std::string& text, const std::filesystem::path& folder, 
         for (const JsonNode& collider : root.at("colliders").items()) scene.colliders.push_back(read_collider(collider, context));
     }
     read_pairs(root, scene);
+    if (root.has("events")) read_events(root.at("events"), scene);
     return scene;
 }
 

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "supple/world/edit_events.h"
 #include "supple/world/probe.h"
 #include "supple/world/world.h"
 
@@ -39,6 +40,20 @@ struct SceneTie {
     AttachmentDef def;
 };
 
+/// Edits on a timeline, by the number of the body in the file.
+struct SceneEdits {
+    struct Cut {
+        std::size_t body = 0;
+        CutEvent event;
+    };
+    struct Erase {
+        std::size_t body = 0;
+        EraseEvent event;
+    };
+    std::vector<Cut> cuts;
+    std::vector<Erase> erasures;
+};
+
 /// A scene file, read and validated.
 struct Scene {
     WorldDef world;
@@ -47,6 +62,7 @@ struct Scene {
     std::vector<SceneTie> ties;
     std::vector<ColliderDef> colliders;
     std::optional<SceneCamera> camera;
+    SceneEdits events;
 };
 
 /// Reads a scene file: JSON, // and /* */ comments allowed; mesh paths are relative to it. Keys (defaults are those of WorldDef, SolverDef,
@@ -60,6 +76,8 @@ struct Scene {
 ///             box {half_extents_m or min_m, max_m}, mesh {file, scale, cells}; name, position_m, rotation_wxyz, friction; fixed, or
 ///             motion {times_s, positions_m, rotations_wxyz}: follows them; mass_kg, velocity_m_s, spin_rad_s: moved by what it touches and by gravity;
 ///             mass_kg and tool {stiffness_n_m, damping_n_s_m, max_force_n, torsion_nm_rad, max_torque_nm}: drawn along `motion`}]
+///   events   [{cut: {body, from_m: [points of a blade], to_m, times_s: [begin, end], stride_m, snap}} | {erase: {body, from_m, to_m, radius_m, times_s}}]: a blade, or a ball
+///             that removes elements, goes evenly from one place to another while the body moves (world/edit_events.h); body is its name or number, 0 if left out
 ///   contacts [{bodies: [name, name], on}]: of these two, or of one with itself, whatever the bodies say
 ///   ties     [{bodies: [name, name], gap_m, stiffness_n_m, max_force_n}]: glues the surface of the first to that of the second where they are so near
 ///   bodies   [{touches_bodies, touches_itself, friction: contact with soft bodies; name, mesh: "file" or box: {min_m, max_m, cells: [nx, ny, nz], elements: "tets"}, scale, units, up, refine, skin: "surface file", translation_m, velocity_m_s,
@@ -104,5 +122,8 @@ Scene parse_scene(const std::string& text, const std::filesystem::path& folder, 
 
 /// Builds the world: bodies in the order of the file, with their supports, motions and loads.
 World build_world(const Scene& scene, const LogSink& log = {});
+
+/// The edits of a scene for the world that build_world() made of it: call before_step() before each step.
+EditScript make_edits(const Scene& scene, const World& world);
 
 }  // namespace supple::io

@@ -31,6 +31,9 @@ ColliderDef read_collider(const JsonNode& node, SceneContext& context);
 /// contacts and ties: what is said of two bodies.
 void read_pairs(const JsonNode& root, Scene& scene);
 
+/// Reads the scene's events; its bodies are known.
+void read_events(const JsonNode& node, Scene& scene);
+
 /// A box given by corners: min_m below max_m in every coordinate (or equal, where `may_be_flat`).
 InsideBox read_box(const JsonNode& node, bool may_be_flat);
 /// "all", {"box"}, {"sphere"}, {"capsule"}, {"vertices"}, {"group"} or {"all": true}, also under the key "selection"; at least one vertex is selected.

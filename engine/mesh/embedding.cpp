@@ -148,11 +148,8 @@ Embedding::Embedding(const VolumeMesh& mesh, std::span<const Vec3> points) : cor
         const bool outside = element < 0;
         double distance = 0;
         if (outside) element = locator.nearest(x, distance);
-        const auto ids = element_vertices(mesh, element);
+        bind(mesh, p, x, element);
         const std::span<double> w(weight_.data() + p * corners_, corners_);
-        shape_weights(mesh, element, x, w, gradient_.data() + p * corners_);
-        element_[p] = element;
-        for (std::size_t a = 0; a < corners_; ++a) vertex_[p * corners_ + a] = ids[a < ids.size() ? a : 0];
         if (!outside) continue;
         ++report_.outside;
         report_.farthest_m = std::max(report_.farthest_m, distance);
@@ -162,6 +159,24 @@ Embedding::Embedding(const VolumeMesh& mesh, std::span<const Vec3> points) : cor
             report_.worst_point = std::int32_t(p);
         }
     }
+}
+
+void Embedding::bind(const VolumeMesh& mesh, std::size_t p, const Vec3& x, std::int32_t element) {
+    const auto ids = element_vertices(mesh, element);
+    shape_weights(mesh, element, x, {weight_.data() + p * corners_, corners_}, gradient_.data() + p * corners_);
+    element_[p] = element;
+    for (std::size_t a = 0; a < corners_; ++a) vertex_[p * corners_ + a] = ids[a < ids.size() ? a : 0];
+}
+
+Embedding Embedding::bound(const VolumeMesh& mesh, std::span<const Vec3> points, std::vector<std::int32_t> elements) {
+    Embedding out;
+    out.corners_ = mesh.hexes.empty() ? 4 : 8;
+    out.element_ = std::move(elements);
+    out.vertex_.resize(points.size() * out.corners_);
+    out.weight_.resize(points.size() * out.corners_, 0.0);
+    out.gradient_.resize(points.size() * out.corners_, Vec3::Zero());
+    for (std::size_t p = 0; p < points.size(); ++p) out.bind(mesh, p, points[p], out.element_[p]);
+    return out;
 }
 
 void Embedding::deform(std::span<const Vec3> positions, std::span<Vec3> out) const {

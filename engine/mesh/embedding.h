@@ -27,6 +27,9 @@ public:
     /// @error Error(invalid_argument) for a mesh without elements or a point that is not finite
     Embedding(const VolumeMesh& mesh, std::span<const Vec3> points);
 
+    /// Points that belong to given elements, in them or beyond them; report() is empty. @pre elements in range, one per point
+    static Embedding bound(const VolumeMesh& mesh, std::span<const Vec3> points, std::vector<std::int32_t> elements);
+
     std::size_t size() const { return element_.size(); }
     const Report& report() const { return report_; }
     std::span<const std::int32_t> elements() const { return element_; }  ///< per point
@@ -51,6 +54,8 @@ public:
     void interpolate(std::span<const double> per_vertex, std::span<double> out) const;
 
 private:
+    Embedding() = default;
+    void bind(const VolumeMesh& mesh, std::size_t point, const Vec3& x, std::int32_t element);
     std::size_t corners_ = 4;
     std::vector<std::int32_t> element_, vertex_;
     std::vector<double> weight_;

@@ -99,8 +99,20 @@ void mark(const VolumeMesh& mesh, const InGroup& group, Mask& mask) {
     }
 }
 
+void mark(const VolumeMesh& mesh, const ElementList& list, Mask& mask) {
+    const auto tets = static_cast<std::int32_t>(mesh.tets.size());
+    for (const std::int32_t e : list.elements) {
+        if (e < 0 || static_cast<std::size_t>(e) >= mesh.element_count())
+            refuse("ElementList.elements", "holds element " + std::to_string(e) + "; the mesh has " + std::to_string(mesh.element_count()) + ", counted from 0");
+        if (e < tets)
+            for (const std::int32_t v : mesh.tets[e]) mask[v] = 1;
+        else
+            for (const std::int32_t v : mesh.hexes[e - tets]) mask[v] = 1;
+    }
+}
+
 template <class Shape>
-constexpr bool kHasInside = !std::is_same_v<Shape, VertexList> && !std::is_same_v<Shape, InGroup>;
+constexpr bool kHasInside = !std::is_same_v<Shape, VertexList> && !std::is_same_v<Shape, InGroup> && !std::is_same_v<Shape, ElementList>;
 
 Mask make_mask(const VolumeMesh& mesh, const Selection& selection) {
     Mask mask(mesh.vertices.size(), 0);
@@ -156,6 +168,13 @@ std::vector<std::int32_t> select_vertices(const VolumeMesh& mesh, const Selectio
 std::vector<std::int32_t> select_elements(const VolumeMesh& mesh, const Selection& selection, ElementRule rule) {
     if (const auto* group = std::get_if<InGroup>(&selection); group && has_region(mesh, group->name))
         return elements_of_region(mesh, group->name);
+    if (const auto* list = std::get_if<ElementList>(&selection)) {
+        make_mask(mesh, selection);  // refuses what is out of range
+        std::vector<std::int32_t> out = list->elements;
+        std::sort(out.begin(), out.end());
+        out.erase(std::unique(out.begin(), out.end()), out.end());
+        return out;
+    }
     if (rule == ElementRule::centre) return select_by_centre(mesh, selection);
     const Mask mask = make_mask(mesh, selection);
     const auto chosen = [&](std::int32_t v) { return mask[v] != 0; };

@@ -70,6 +70,9 @@ std::vector<Vec3> vertex_normals(const mesh::TriangleMesh& surface) {
 Skin::Skin(mesh::TriangleMesh surface, const VolumeMesh& mesh)
     : surface_(std::move(surface)), embedding_(mesh, surface_.vertices), mesh_vertices_(mesh.vertices.size()) {}
 
+Skin::Skin(mesh::TriangleMesh surface, Embedding embedding, std::size_t mesh_vertices)
+    : surface_(std::move(surface)), embedding_(std::move(embedding)), mesh_vertices_(mesh_vertices) {}
+
 std::shared_ptr<const Skin> Skin::build(const VolumeMesh& mesh, const mesh::TriangleMesh& surface) {
     return std::shared_ptr<const Skin>(new Skin(weld(surface), mesh));
 }

@@ -2,6 +2,7 @@
 #include <memory>
 
 #include "supple/mesh/embedding.h"
+#include "supple/mesh/mesh_edit.h"
 
 namespace supple {
 
@@ -13,12 +14,17 @@ public:
     /// @error Error(invalid_argument) for a surface without triangles, an index out of range or a coordinate that is not finite
     static std::shared_ptr<const Skin> build(const VolumeMesh& mesh, const mesh::TriangleMesh& surface);
 
+    /// The skin after an edit of its mesh. Each triangle follows one side of a cut, that of its middle: points across the cut are made twice. Triangles go with
+    /// the elements that moved them. What the edit laid open becomes part of the skin: the faces of the mesh there.
+    std::shared_ptr<const Skin> follow(const VolumeMesh& before, const MeshEdit& edit) const;
+
     const mesh::TriangleMesh& surface() const { return surface_; }  ///< at rest
     const Embedding& embedding() const { return embedding_; }
     std::size_t mesh_vertices() const { return mesh_vertices_; }    ///< of the mesh it was made for
 
 private:
     Skin(mesh::TriangleMesh surface, const VolumeMesh& mesh);
+    Skin(mesh::TriangleMesh surface, Embedding embedding, std::size_t mesh_vertices);
     mesh::TriangleMesh surface_;
     Embedding embedding_;
     std::size_t mesh_vertices_;

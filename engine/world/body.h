@@ -131,7 +131,12 @@ struct GroupedLayout {
     std::vector<solve::GatherMap> gather;  ///< [group]
 };
 
+struct BodyEdits;  // world/edits.h
+
 struct Body {
+    Body();
+    ~Body();
+
     BodyDef def;
     std::string name;
     std::shared_ptr<const BodyTemplate> shape;
@@ -152,6 +157,7 @@ struct Body {
     bool preconditioner_fits = false;  ///< the frozen one was built from state.hierarchy_x and state.hierarchy_held
 
     BodyState state, start;
+    std::unique_ptr<BodyEdits> edits;  ///< null: the mesh is that of the definition it was added with
     Workspace work;
     std::variant<std::monostate, System<float>, System<double>> system;
     mutable StressCache stress;
@@ -197,6 +203,8 @@ inline const double* plastic_strain(const Body& body) { return body.state.plasti
 
 /// @error Error(invalid_argument) naming the field of BodyDef
 std::unique_ptr<Body> make_body(const BodyDef& def, const WorldDef& world, std::size_t index, Isa isa);
+/// The body without its history of edits, moved to the mesh of an edit with all that is on it: definition, supports, loads, state. Nothing of `from` changes.
+std::unique_ptr<Body> make_edited(const Body& from, const MeshEdit& edit, const WorldDef& world, Isa isa);
 /// Makes what depends on the materials of a definition: elements, mass, stiffness. Strong guarantee: where it throws, the body is as it was.
 void apply_materials(Body& body, const BodyDef& def, const WorldDef& world, Isa isa);
 /// Another preconditioner from the next step on; what the old one learned is forgotten.

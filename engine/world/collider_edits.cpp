@@ -106,11 +106,11 @@ ColliderId World::add_collider(const ColliderDef& def) {
     const contact::Bounds box = contact::bounds(c.def.shape);
     c.reach_m = (box.max_m - c.centre).cwiseMax(c.centre - box.min_m).norm();
     c.start_at(w.def.solver.integrator == Integrator::quasi_static ? 0 : w.time_s());
-    for (const std::uint32_t b : w.order) w.slots[b].body->need_contact_surface();
     if (slot == w.colliders.size()) w.colliders.emplace_back();
     c.generation = w.next_collider_generation++;
     w.colliders[slot] = std::move(c);
     ++w.living_colliders;
+    give_contact_surfaces(w);
     w.eliminated.reserve(w.colliders.size());
     return {std::uint32_t(slot), w.colliders[slot].generation};
 }

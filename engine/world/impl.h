@@ -28,6 +28,8 @@ struct World::Impl {
     std::size_t living_attachments = 0;
     std::vector<solve::EliminatedBody> eliminated;  ///< scratch of a step: colliders that yield to the body at work
 
+    std::vector<std::unique_ptr<Body>> retired;  ///< bodies before an edit whose preconditioner is still being built on its thread
+
     std::uint64_t step = 0;
     double accumulator_s = 0;
     std::vector<solve::AppendedRow> appended;  ///< scratch of a step: rows of one island
@@ -53,6 +55,8 @@ struct World::Impl {
     double time_s() const { return double(step) * def.time_step_s; }
 };
 
+/// Every body that may touch something knows its surface.
+void give_contact_surfaces(World::Impl& world);
 /// Fills world.islands from the contacts of world.active: bodies that touch one another, are tied together or touch the same collider that yields.
 void form_islands(World::Impl& world);
 

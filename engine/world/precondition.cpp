@@ -140,7 +140,7 @@ void advance_next(StepContext& ctx, Body& body, System<Real>& system) {
     std::swap(body.state.hierarchy_x, body.state.next_x);
     std::swap(body.state.hierarchy_held, body.state.next_held);
     system.multigrid->hold(held_bits(body));
-    m[kMemoryBase] = m[kMemorySlow] = 0;
+    m[kMemoryBase] = m[kMemorySlow] = m[kMemoryFallback] = 0;
     if (m[kMemoryAgain] != 0) ask_for_next(body);
 }
 
@@ -369,8 +369,9 @@ void drop_preconditioner(Body& body) {
 }
 
 void supports_have_changed(Body& body) {
-    if (body.preconditioner_fits && kind_at_work(body) == PreconditionerKind::lattice_multigrid) {
-        with_system(body, [&](auto& system) { system.multigrid->hold(held_bits(body)); });
+    const bool stands_in = body.state.solver[kMemoryFallback] != 0;
+    if ((body.preconditioner_fits || stands_in) && kind_at_work(body) == PreconditionerKind::lattice_multigrid) {
+        if (!stands_in) with_system(body, [&](auto& system) { system.multigrid->hold(held_bits(body)); });
         ask_for_next(body);
         return;
     }
@@ -378,6 +379,18 @@ void supports_have_changed(Body& body) {
     drop_preconditioner(body);
     body.state.hierarchy_held = held_bits(body);
     body.state.solver[kMemoryPending] = body.state.solver[kMemoryAgain] = 0;
+}
+
+void begin_after_edit(Body& body, const std::vector<std::int32_t>& before) {
+    std::vector<std::int32_t>& m = body.state.solver;
+    m.assign(kMemoryCount, 0);
+    body.preconditioner_fits = false;
+    if (body.vertices() < kSmallestForLattice) return;  // chosen anew
+    m[kMemoryKind] = before[kMemoryKind];
+    m[kMemoryTrial] = kTrialEvery;
+    if (kind_at_work(body) != PreconditionerKind::lattice_multigrid) return;
+    m[kMemoryFallback] = 1;
+    ask_for_next(body);
 }
 
 void restart_preconditioner(Body& body, BodyState& state) {
@@ -393,7 +406,7 @@ void prepare_preconditioner(StepContext& ctx, Body& body) {
     bool good = true;
     with_system(body, [&](auto& system) {
         const bool lattice = kind_at_work(body) == PreconditionerKind::lattice_multigrid;
-        if (!body.preconditioner_fits) {
+        if (!body.preconditioner_fits && body.state.solver[kMemoryFallback] == 0) {
             if (lattice) {
                 build_now(ctx, body, system);
             } else {
@@ -406,7 +419,7 @@ void prepare_preconditioner(StepContext& ctx, Body& body) {
         ctx.report.flags |= StepFlag::preconditioner;
         set_kind(body, PreconditionerKind::block_jacobi);
     }
-    body.preconditioner_fits = good;
+    body.preconditioner_fits = good && body.state.solver[kMemoryFallback] == 0;
 }
 
 solve::LinearSolveResult solve_preconditioned(StepContext& ctx, Island& island, bool warm, const solve::LinearSolveDef& def, bool remember,

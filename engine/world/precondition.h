@@ -15,6 +15,7 @@ enum SolverMemory : std::size_t {
     kMemoryBroken,      ///< solves that block-Jacobi stands in for a preconditioner that broke down
     kMemoryPending,     ///< steps until the hierarchy under way takes over, 0: none is
     kMemoryAgain,       ///< 1: another one is wanted after it
+    kMemoryFallback,    ///< 1: block-Jacobi until the hierarchy under way takes over: the mesh was edited
     kMemoryCount
 };
 
@@ -27,6 +28,9 @@ std::vector<std::uint8_t> held_bits(const Body& body);
 
 /// What was built in `body` no longer fits its inputs: material, restored state.
 void drop_preconditioner(Body& body);
+
+/// The body is that of an edit of one with the memory `before`: what was at work there is built beside the steps, and block-Jacobi stands in meanwhile.
+void begin_after_edit(Body& body, const std::vector<std::int32_t>& before);
 
 /// The body is about to take over a state of another time: keeps what was built if it was built from the same.
 void restart_preconditioner(Body& body, BodyState& state);

@@ -261,15 +261,18 @@ void PreparedLoads::add(const TemplateData& data, const std::string& body_name, 
         check(load.value, "Load.value");
         if (!load.amount.values.empty()) refuse("Load.amount", "belongs to pressures and moments; this kind of load has a Load.value");
         dead_.push_back(make_dead(data, body_name, load));
+        dead_.back().definition = load;
         return;
     }
     check(load.amount, "Load.amount");
     if (!load.value.values.empty()) refuse("Load.value", "does not belong to a pressure or a moment; give Load.amount");
     if (load.kind == LoadKind::pressure) {
         pressure_.push_back(make_pressure(data, body_name, load));
+        pressure_.back().definition = load;
         followers_ = followers_ || load.follower;
     } else {
         moment_.push_back(make_moment(data, body_name, load));
+        moment_.back().definition = load;
         followers_ = true;
     }
 }

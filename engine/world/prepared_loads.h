@@ -2,7 +2,7 @@
 #include <vector>
 
 #include "supple/base/parallel.h"
-#include "supple/mesh/volume_mesh.h"
+#include "supple/mesh/mesh_edit.h"
 #include "supple/world/loads.h"
 
 namespace supple {
@@ -14,6 +14,7 @@ struct DeadLoad {
     std::vector<std::int32_t> vertex;
     std::vector<double> weight;
     Timeline<Vec3> value;
+    Load definition;
 };
 
 /// A pressure made ready. Dead: force on vertex[i] = area[i] * p(t). Follower: the triangles around each vertex.
@@ -26,6 +27,7 @@ struct PressureLoad {
     std::vector<Triangle> face;          ///< follower: each triangle once,
     std::vector<std::array<std::int32_t, 6>> block;  ///< and its matrix blocks ab ba bc cb ca ac
     Timeline<double> amount;
+    Load definition;
 };
 
 /// A moment made ready: it acts on sample points, each half way between two vertices, which take half of its force each. The middles of the
@@ -37,6 +39,7 @@ struct MomentLoad {
     std::vector<Vec3> arm;               ///< rest position from the weighted mean [m]
     Vec3 axis = Vec3::Zero();            ///< unit length
     Timeline<double> amount;
+    Load definition;
 };
 
 /// The loads of one body.
@@ -45,6 +48,12 @@ public:
     /// @error Error(invalid_argument) naming the field of Load
     void add(const TemplateData& data, const std::string& body_name, const Load& load);
     void clear();
+
+    /// The loads after an edit of the mesh. Forces on vertices go to their copies in equal parts, and vanish with what was removed; tractions, pressures and moments stay on what is
+    /// left of their triangles and act on nothing that was laid open; body forces stay with their elements.
+    PreparedLoads followed(const TemplateData& before, const TemplateData& after, const TopologyDelta& delta, const std::string& body_name) const;
+    std::vector<DeadLoad>& dead() { return dead_; }
+    const std::vector<DeadLoad>& dead() const { return dead_; }
 
     /// Adds the loads that do not follow the body to f.
     void add_dead(double time_s, std::vector<Vec3>& f) const;

@@ -5,6 +5,7 @@
 
 #include "supple/base/error.h"
 #include "supple/fem/element_geometry.h"
+#include "supple/mesh/selection.h"
 #include "supple/world/impl.h"
 
 namespace supple {
@@ -27,8 +28,29 @@ Probe::Probe(const World& world, BodyId body, const ProbeDef& def) : def_(def), 
     if (def_.name.empty()) def_.name = "probe";
     check_threshold(def.threshold_pa, "ProbeDef.threshold_pa");
     check_threshold(def.threshold_m, "ProbeDef.threshold_m");
-    const VolumeMesh& mesh = world.shape(body).mesh();
-    vertices_ = select_some(world.shape(body).data(), world.name(body), def.where, "ProbeDef.where");
+    select_some(world.shape(body).data(), world.name(body), def.where, "ProbeDef.where");  // none is refused
+    edits_ = world.edit_count(body);
+    if (const auto* list = std::get_if<VertexList>(&def.where)) {
+        const std::vector<std::uint32_t> ids = world.vertex_ids(body);
+        for (const std::int32_t v : list->vertices) listed_.push_back(ids[std::size_t(v)]);
+        std::sort(listed_.begin(), listed_.end());
+    }
+    select(world);
+    sample_.time_s = world.time_s();
+}
+
+void Probe::select(const World& world) {
+    const VolumeMesh& mesh = world.shape(body_).mesh();
+    if (!listed_.empty()) {
+        const std::vector<std::uint32_t> ids = world.vertex_ids(body_);
+        VertexList list;
+        for (std::size_t v = 0; v < ids.size(); ++v)
+            if (std::binary_search(listed_.begin(), listed_.end(), ids[v])) list.vertices.push_back(std::int32_t(v));
+        def_.where = std::move(list);
+    }
+    vertices_ = select_vertices(mesh, def_.where);
+    vertex_weight_.clear();
+    stress_weight_.clear();
     std::vector<double> share(mesh.vertices.size(), 0.0);
     for (std::size_t e = 0; e < mesh.element_count(); ++e) {
         const fem::ElementGeometry g = fem::element_geometry(mesh, e);
@@ -36,7 +58,7 @@ Probe::Probe(const World& world, BodyId body, const ProbeDef& def) : def_(def), 
     }
     for (const std::int32_t v : vertices_) vertex_weight_.push_back(share[std::size_t(v)]);
     make_fractions(vertex_weight_);
-    stressed_ = select_elements(mesh, def.where);
+    stressed_ = select_elements(mesh, def_.where);
     on_elements_ = !stressed_.empty();
     if (on_elements_) {
         for (const std::int32_t e : stressed_) stress_weight_.push_back(fem::element_geometry(mesh, std::size_t(e)).volume);
@@ -45,11 +67,14 @@ Probe::Probe(const World& world, BodyId body, const ProbeDef& def) : def_(def), 
         stressed_ = vertices_;
         stress_weight_ = vertex_weight_;
     }
-    start_ = world.start_positions(body);
-    sample_.time_s = world.time_s();
+    start_ = world.start_positions(body_);
 }
 
 const ProbeSample& Probe::read(const World& world) {
+    if (const std::uint64_t edits = world.edit_count(body_); edits != edits_) {
+        edits_ = edits;
+        select(world);
+    }
     const double before_s = sample_.time_s, over_s = sample_.over_threshold_s, displaced_s = sample_.displaced_s;
     sample_ = {};
     sample_.time_s = world.time_s();

@@ -37,7 +37,8 @@ public:
     Probe(const World& world, BodyId body, const ProbeDef& def);
 
     /// Reads the world as it stands; call it after each step (or every n steps: the time since the last reading counts as one stretch).
-    /// A world that has gone back in time (reset, restore) starts the times over a threshold anew.
+    /// After an edit of the body's mesh the selection is made again on the mesh as it is, a vertex list of those of its vertices that are left; a part that is gone
+    /// reads zero. A world that has gone back in time (reset, restore) starts the times over a threshold anew.
     const ProbeSample& read(const World& world);
 
     const ProbeSample& sample() const { return sample_; }
@@ -46,12 +47,15 @@ public:
     bool on_elements() const { return on_elements_; }
 
 private:
+    void select(const World& world);
     ProbeDef def_;
     BodyId body_;
     bool on_elements_ = true;
     std::vector<std::int32_t> stressed_, vertices_;     ///< elements or vertices; vertices
     std::vector<double> stress_weight_, vertex_weight_; ///< rest volumes, each list sums to one
     std::vector<Vec3> start_;
+    std::uint64_t edits_ = 0;                           ///< World::edit_count() of the selection
+    std::vector<std::uint32_t> listed_;                 ///< ids of a vertex list
     ProbeSample sample_;
     StressField field_;
 };

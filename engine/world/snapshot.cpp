@@ -2,6 +2,7 @@
 
 #include "supple/base/byte_stream.h"
 #include "supple/base/hash.h"
+#include "supple/world/edits.h"
 #include "supple/world/impl.h"
 #include "supple/world/precondition.h"
 
@@ -46,7 +47,16 @@ void write(ByteWriter& out, const Drag& drag) {
     out.array(drag.weight);
 }
 
-Drag read_drag(ByteReader& in, const World::Impl& world) {
+/// Vertices of each body in the snapshot.
+using BodySizes = std::vector<std::pair<BodyId, std::size_t>>;
+
+std::size_t vertices_of(const BodySizes& bodies, BodyId id) {
+    for (const auto& [body, vertices] : bodies)
+        if (body == id) return vertices;
+    return 0;
+}
+
+Drag read_drag(ByteReader& in, const World::Impl& world, const BodySizes& bodies) {
     Drag drag;
     drag.generation = in.value<std::uint32_t>("drag");
     if (drag.generation == 0) return drag;
@@ -61,10 +71,10 @@ Drag read_drag(ByteReader& in, const World::Impl& world) {
         return drag.body == BodyId{slot, world.slots[slot].generation};
     });
     if (!lives) throw Error(ErrorCode::corrupt_snapshot, "snapshot", "a drag holds a body that this world does not have");
-    const Body& body = world.body(drag.body);
-    drag.vertex = in.list<std::int32_t>(body.vertices(), "drag patch");
-    drag.weight = in.list<double>(body.vertices(), "drag patch");
-    const bool inside = std::all_of(drag.vertex.begin(), drag.vertex.end(), [&](std::int32_t v) { return v >= 0 && std::size_t(v) < body.vertices(); });
+    const std::size_t n = vertices_of(bodies, drag.body);
+    drag.vertex = in.list<std::int32_t>(n, "drag patch");
+    drag.weight = in.list<double>(n, "drag patch");
+    const bool inside = std::all_of(drag.vertex.begin(), drag.vertex.end(), [&](std::int32_t v) { return v >= 0 && std::size_t(v) < n; });
     if (!inside || drag.vertex.size() != drag.weight.size()) throw Error(ErrorCode::corrupt_snapshot, "snapshot", "a drag's patch does not fit its body");
     drag.masked.resize(drag.vertex.size());
     return drag;
@@ -85,7 +95,7 @@ void write(ByteWriter& out, const Attachment& a) {
     for (const Vec3* v : {&a.anchor, &a.force}) out.value(std::array{(*v)[0], (*v)[1], (*v)[2]});
 }
 
-Attachment read_attachment(ByteReader& in, const World::Impl& world) {
+Attachment read_attachment(ByteReader& in, const World::Impl& world, const BodySizes& bodies) {
     Attachment a;
     a.generation = in.value<std::uint32_t>("attachment");
     if (a.generation == 0) return a;
@@ -107,7 +117,7 @@ Attachment read_attachment(ByteReader& in, const World::Impl& world) {
     const auto fits = [&](BodyId id, const std::array<std::int32_t, 4>& vertices, std::int32_t corners) {
         const bool lives = std::any_of(world.order.begin(), world.order.end(), [&](std::uint32_t slot) { return id == BodyId{slot, world.slots[slot].generation}; });
         if (!lives || corners < 1 || corners > 4) return false;
-        const std::size_t n = world.body(id).vertices();
+        const std::size_t n = vertices_of(bodies, id);
         return std::all_of(vertices.begin(), vertices.begin() + corners, [&](std::int32_t v) { return v >= 0 && std::size_t(v) < n; });
     };
     if (!fits(a.def.body, a.def.vertices, a.corners) || (a.def.other && !fits(a.def.other, a.def.other_vertices, a.others))) wrong();
@@ -132,6 +142,7 @@ std::vector<std::byte> World::save() const {
     for (const std::uint32_t slot : w.order) {
         out.value(slot);
         out.value(w.slots[slot].generation);
+        write_edits(out, *w.slots[slot].body);
         out.value(layout_hash(*w.slots[slot].body));
         BodyState::for_each_field(w.slots[slot].body->state, [&](const char*, const auto& field) { out.array(field); });
     }
@@ -177,12 +188,15 @@ void World::restore(std::span<const std::byte> snapshot) {
     }
     // Everything is read into copies first: a bad snapshot leaves the world as it was.
     std::vector<BodyState> states;
+    std::vector<std::unique_ptr<Body>> edited;  ///< bodies of other edits than those here; null: as here
     for (const std::uint32_t slot : w.order) {
         const auto index = in.value<std::uint32_t>("body id");
         const auto generation = in.value<std::uint32_t>("body id");
         if (index != slot || generation != w.slots[slot].generation) differs("the ids of its bodies differ: build the world by the same calls in the same order");
+        edited.push_back(read_edits(in, *w.slots[slot].body, w.def, w.isa));
+        const Body& body = edited.back() ? *edited.back() : *w.slots[slot].body;
         const auto layout = in.value<std::uint64_t>("layout");
-        states.push_back(w.slots[slot].body->start);
+        states.push_back(body.start);
         BodyState::for_each_field(states.back(), [&](const char* what, auto& field) {
             if constexpr (std::is_same_v<std::remove_cvref_t<decltype(field)>, std::vector<ContactMemory>>) {
                 field = in.list<ContactMemory>(kMostContacts, what);
@@ -190,14 +204,19 @@ void World::restore(std::span<const std::byte> snapshot) {
                 in.array(field, what);
             }
         });
-        check_contacts(states.back().contacts, *w.slots[slot].body);
-        if (layout != layout_hash(*w.slots[slot].body)) {
-            differs("the elements of \"" + w.slots[slot].body->name + "\" are grouped into other laws: set the materials it had when it was saved first");
+        check_contacts(states.back().contacts, body);
+        if (layout != layout_hash(body)) {
+            differs("the elements of \"" + body.name + "\" are grouped into other laws: set the materials it had when it was saved first");
         }
+    }
+    BodySizes bodies;
+    for (std::size_t i = 0; i < w.order.size(); ++i) {
+        const Body& body = edited[i] ? *edited[i] : *w.slots[w.order[i]].body;
+        bodies.push_back({BodyId{w.order[i], w.slots[w.order[i]].generation}, body.vertices()});
     }
     const auto drag_count = in.value<std::uint64_t>("drags");
     std::vector<Drag> drags;
-    for (std::uint64_t i = 0; i < drag_count; ++i) drags.push_back(read_drag(in, w));
+    for (std::uint64_t i = 0; i < drag_count; ++i) drags.push_back(read_drag(in, w, bodies));
     const auto next_collider = in.value<std::uint32_t>("colliders");
     if (const auto count = in.value<std::uint64_t>("colliders"); count != w.colliders.size()) {
         differs("it holds " + std::to_string(count) + " places for colliders, this world has " + std::to_string(w.colliders.size()));
@@ -210,7 +229,7 @@ void World::restore(std::span<const std::byte> snapshot) {
     const auto next_attachment = in.value<std::uint32_t>("attachments");
     std::vector<Attachment> attachments;
     const auto attachment_count = in.value<std::uint64_t>("attachments");
-    for (std::uint64_t i = 0; i < attachment_count; ++i) attachments.push_back(read_attachment(in, w));
+    for (std::uint64_t i = 0; i < attachment_count; ++i) attachments.push_back(read_attachment(in, w, bodies));
     if (!in.at_end()) differs("it is longer than its contents");
     ByteReader seal(snapshot.last(sizeof(std::uint64_t)));
     if (seal.value<std::uint64_t>("checksum") != checksum(contents)) differs("its bytes were changed after it was saved");
@@ -220,6 +239,7 @@ void World::restore(std::span<const std::byte> snapshot) {
     w.accumulator_s = accumulator;
     w.next_drag_generation = std::max(w.next_drag_generation, next_drag);  // no handle given out since the save may come to life again
     for (std::size_t i = 0; i < states.size(); ++i) {
+        if (edited[i]) replace_body(w, {w.order[i], w.slots[w.order[i]].generation}, std::move(edited[i]));
         Body& body = *w.slots[w.order[i]].body;
         restart_preconditioner(body, states[i]);
         std::swap(body.state, states[i]);

@@ -100,15 +100,9 @@ BodyId World::add_body(const BodyDef& def) {
     warn_of_locking(w.def, *body);
     if (!w.crew && w.threads > 1 && body->element_count() >= kMinElementsForThreads) w.crew = std::make_unique<Team>(w.threads);
     if (slot == w.slots.size()) w.slots.emplace_back();
-    if (w.living_colliders > 0 || def.touches_itself) body->need_contact_surface();
-    if (!w.order.empty() && def.touches_bodies) {
-        body->need_contact_surface();
-        for (const std::uint32_t other : w.order) {
-            if (w.slots[other].body->def.touches_bodies) w.slots[other].body->need_contact_surface();
-        }
-    }
     w.slots[slot].body = std::move(body);
     w.order.push_back(slot);
+    give_contact_surfaces(w);
     return {slot, w.slots[slot].generation};
 }
 
@@ -132,16 +126,27 @@ void World::remove_body(BodyId id) {
 void World::set_contact(BodyId a, BodyId b, bool on) {
     Impl& w = *impl_;
     for (const BodyId id : {a, b}) w.body(id);
-    if (on) {
-        for (const BodyId id : {a, b}) w.body(id).need_contact_surface();
-    }
     for (Impl::ContactSwitch& s : w.contact_switches) {
         if ((s.a == a && s.b == b) || (s.a == b && s.b == a)) {
             s.on = on;
-            return;
+            return give_contact_surfaces(w);
         }
     }
     w.contact_switches.push_back({a, b, on});
+    give_contact_surfaces(w);
+}
+
+void give_contact_surfaces(World::Impl& world) {
+    std::size_t sociable = 0;
+    for (const std::uint32_t slot : world.order) sociable += world.slots[slot].body->def.touches_bodies;
+    for (const std::uint32_t slot : world.order) {
+        Body& body = *world.slots[slot].body;
+        if (world.living_colliders > 0 || body.def.touches_itself || (body.def.touches_bodies && sociable > 1)) body.need_contact_surface();
+    }
+    for (const World::Impl::ContactSwitch& s : world.contact_switches) {
+        if (!s.on) continue;
+        for (const BodyId id : {s.a, s.b}) world.body(id).need_contact_surface();
+    }
 }
 
 std::vector<BodyId> World::bodies() const {

@@ -11,6 +11,7 @@
 #include "supple/base/log.h"
 #include "supple/material/material.h"
 #include "supple/math/isa.h"
+#include "supple/mesh/mesh_edit.h"
 #include "supple/mesh/skin.h"
 #include "supple/world/attachment.h"
 #include "supple/world/body_template.h"
@@ -112,6 +113,14 @@ struct Energy {
     double total_j() const { return kinetic_j + elastic_j + gravity_j + loads_j; }
 };
 
+/// A part of a body that shares no vertex with the rest.
+struct Piece {
+    std::vector<std::int32_t> elements;  ///< ascending
+    double volume_m3 = 0;                ///< at rest
+    double mass_kg = 0;
+    bool supported = false;              ///< a coordinate of it is fixed or prescribed
+};
+
 struct PickHit {
     BodyId body;
     std::int32_t triangle = -1, element = -1;  ///< boundary triangle and the element it bounds; of a body with a skin: -1, and the element that moves the point
@@ -168,6 +177,23 @@ public:
     void set_material(BodyId body, const Material& material);  ///< replaces material and every array per element of it; regions and factors stay
     void set_regions(BodyId body, std::vector<MaterialRegion> regions);  ///< in place of all regions; may be empty
     void set_stiffness_factor(BodyId body, std::span<const double> per_element);  ///< in place of those per element; empty: 1
+
+    // -- topology: edits of a body's mesh between steps -----------------------------------------------
+    // Vertices and elements are renumbered as the TopologyDelta says; their public ids stay. Positions, velocities, mass and momenta are kept (of each piece; a cut gives its
+    // parts the spin that lumping masses anew would lose), so are materials, plastic strain, supports, loads, drags, attachments, contact and the skin; shape() is the new
+    // one. Copies and points of a cut are held where all their parents were. Drags and attachments let go of vertices that went, and end with their last one. A multigrid
+    // is rebuilt beside the steps, block-Jacobi stands in. An edit that changes nothing gives the identity. reset() keeps the mesh as it is. Strong guarantee.
+    TopologyDelta remove_elements(BodyId body, std::span<const std::int32_t> elements);  ///< @error as supple::remove_elements()
+    TopologyDelta tear(BodyId body, std::span<const ElementFace> faces);                 ///< @error as supple::separate_faces()
+    TopologyDelta cut(BodyId body, const mesh::TriangleMesh& blade, const CutDef& def = {}, CutReport* report = nullptr);  ///< blade in the world, now. @error as supple::cut()
+    bool undo_edit(BodyId body);                                    ///< the body as it stood before its last edit, eight at most; false: there is none
+    std::uint64_t edit_count(BodyId body) const;                    ///< grows with every edit and undo: whoever keeps indices looks here
+    std::vector<std::uint32_t> vertex_ids(BodyId body) const;       ///< stable, per vertex; never given twice
+    std::vector<std::uint32_t> element_ids(BodyId body) const;
+    std::vector<Piece> pieces(BodyId body) const;                   ///< by first element
+    TopologyDelta remove_pieces(BodyId body, double below_m3);      ///< pieces of less rest volume go, the largest one stays
+    /// Makes a body of its own of every piece without support; where none has any, the largest stays. Drags and attachments go with the vertices that most of them holds.
+    std::vector<BodyId> split_off_pieces(BodyId body);
 
     // -- colliders: rigid things that the bodies touch ------------------------------------------------
     ColliderId add_collider(const ColliderDef& def);     ///< @error Error(invalid_argument / unsupported) naming the field of ColliderDef
@@ -237,7 +263,8 @@ public:
 
     // -- history --------------------------------------------------------------------------------------
     std::vector<std::byte> save() const;                 ///< everything that moves, warm starts included
-    /// Continues bit for bit, also in a fresh process, in a world built by the same calls.
+    /// Continues bit for bit, also in a fresh process, in a world built by the same calls. Edits of meshes come with the snapshot: the world may have made them, others or none.
+    /// (Split-off pieces are bodies: they must be there. Loads added and matter changed between edits come back only where the edits are those of the world.)
     /// @error Error(corrupt_snapshot) saying what differs; the world is then unchanged
     void restore(std::span<const std::byte> snapshot);
     void reset();                                        ///< every body and collider back to its start, time to 0, drags and attachments ended

@@ -10,63 +10,20 @@
 #include <utility>
 #include <vector>
 
+#include "supple/bindings/c/guard.h"
 #include "supple/contact/distance_grid.h"
-#include "supple/world/world.h"
 
 #ifndef SUPPLE_VERSION
 #error "SUPPLE_VERSION comes from the build"
 #endif
 
-struct SuppleWorld {
-    supple::World world;
-};
-
-namespace {
-
+using namespace supple_c;
 using supple::BodyId;
 using supple::Error;
 using supple::ErrorCode;
 using supple::Vec3;
 
-// Fixed room for the text: reporting an error must not fail for want of memory.
-thread_local char last_error[1024] = "";
-
-void remember(const char* text) noexcept {
-    std::strncpy(last_error, text, sizeof last_error - 1);
-    last_error[sizeof last_error - 1] = '\0';
-}
-
-SuppleStatus fail(SuppleStatus status, const char* text) noexcept {
-    remember(text);
-    return status;
-}
-
-/// Runs `body`, turning every exception into a status and a text.
-template <class Body>
-SuppleStatus guarded(Body&& body) noexcept {
-    try {
-        std::forward<Body>(body)();
-        return SUPPLE_OK;
-    } catch (const Error& error) {
-        return fail(static_cast<SuppleStatus>(error.code()), error.what());
-    } catch (const std::bad_alloc&) {
-        return fail(SUPPLE_OUT_OF_MEMORY, "out of memory");
-    } catch (const std::exception& error) {
-        return fail(SUPPLE_INTERNAL_ERROR, error.what());
-    } catch (...) {
-        return fail(SUPPLE_INTERNAL_ERROR, "an exception of unknown type");
-    }
-}
-
-[[noreturn]] void refuse(const std::string& where, const std::string& message) {
-    throw Error(ErrorCode::invalid_argument, where, message);
-}
-
-template <class T>
-T& required(T* pointer, const char* where, const char* what) {
-    if (pointer == nullptr) refuse(where, std::string(what) + " is a null pointer");
-    return *pointer;
-}
+namespace {
 
 /// The caller's struct, widened or narrowed to ours. Fields that we do not know must be zero: ignoring them would be silent.
 template <class Def>
@@ -98,15 +55,6 @@ void write_struct(Struct* out, std::size_t size, std::size_t first_size, Struct 
 constexpr std::size_t kWorldDefFirst = 88, kBodyDefFirst = 128, kStepReportFirst = 64;
 static_assert(sizeof(SuppleWorldDef) == kWorldDefFirst && offsetof(SuppleBodyDef, touches_bodies) == kBodyDefFirst &&
               sizeof(SuppleStepReport) == kStepReportFirst);
-
-Vec3 vec3(const double* v) { return {v[0], v[1], v[2]}; }
-
-BodyId id(SuppleBodyId body) {
-    BodyId result;
-    result.index = body.index;
-    result.generation = body.generation;
-    return result;
-}
 
 SuppleWorldDef default_world_def() {
     const supple::WorldDef d;

@@ -232,6 +232,20 @@ SuppleStatus supple_world_set_contact(SuppleWorld* world, SuppleBodyId a, Supple
 /* Glues the surface of `body` to that of `other` where they are within gap_m. stiffness 0: hard; max_force 0: never breaks. out_count (may be NULL): vertices tied. */
 SuppleStatus supple_world_tie(SuppleWorld* world, SuppleBodyId body, SuppleBodyId other, double gap_m, double stiffness_n_m, double max_force_n, size_t* out_count);
 
+/* Edits of a body's mesh, between steps. Vertices and elements are numbered anew: read counts, positions and triangles again afterwards. What is on the body follows.
+ * out_count, where given, gets the number of elements that went or were cut; 0: nothing was done. */
+SuppleStatus supple_world_remove_elements(SuppleWorld* world, SuppleBodyId body, const int32_t* elements, size_t count, size_t* out_count);
+/* Cuts with the strip that a polyline of point_count xyz triples sweeps between two poses, in the world. */
+SuppleStatus supple_world_cut(SuppleWorld* world, SuppleBodyId body, const double* from_m, const double* to_m, size_t point_count, size_t* out_count);
+SuppleStatus supple_world_undo_edit(SuppleWorld* world, SuppleBodyId body, int32_t* out_undone); /* 1: undone; 0: there was nothing to undo */
+/* Makes bodies of the pieces without support. Writes at most `capacity` of their ids; out_count gets how many there are. */
+SuppleStatus supple_world_split_off_pieces(SuppleWorld* world, SuppleBodyId body, SuppleBodyId* bodies, size_t capacity, size_t* out_count);
+SuppleStatus supple_world_piece_count(const SuppleWorld* world, SuppleBodyId body, size_t* out_count);
+SuppleStatus supple_world_element_count(const SuppleWorld* world, SuppleBodyId body, size_t* out_count);
+/* The triangles to draw: three vertex indices each, outward counter-clockwise, into a buffer of `capacity` integers. */
+SuppleStatus supple_world_triangle_count(const SuppleWorld* world, SuppleBodyId body, size_t* out_count);
+SuppleStatus supple_world_triangles(const SuppleWorld* world, SuppleBodyId body, int32_t* vertices, size_t capacity);
+
 /* Hash of everything that moves: equal hashes, equal bits. */
 SuppleStatus supple_world_hash(const SuppleWorld* world, uint64_t* out_hash);
 

@@ -1,0 +1,84 @@
+#include "supple/io/scene_parts.h"
+
+namespace supple::io {
+
+namespace {
+
+std::size_t read_body_number(const JsonNode& node, const Scene& scene) {
+    if (!node.has("body")) return 0;
+    const JsonNode value = node.at("body");
+    if (value.is_number()) return std::size_t(value.integer(0, std::int64_t(scene.bodies.size()) - 1));
+    const std::string name = value.text();
+    for (std::size_t i = 0; i < scene.bodies.size(); ++i)
+        if (scene.bodies[i].def.name == name) return i;
+    value.fail(value.shown() + " is no name of a body of this scene; give a name or a number from 0 to " + std::to_string(scene.bodies.size() - 1));
+}
+
+/// [begin, end], or one moment.
+void read_times(const JsonNode& node, double& begin_s, double& end_s) {
+    const JsonNode times = node.at("times_s", "give [begin, end]");
+    if (times.is_number()) {
+        begin_s = end_s = times.number(0, 1e9);
+        return;
+    }
+    if (!times.is_array() || times.size() != 2) times.fail("must be [begin, end], or one number");
+    begin_s = times.item(0).number(0, 1e9);
+    end_s = times.item(1).number(0, 1e9);
+    if (end_s < begin_s) times.fail("ends before it begins");
+}
+
+std::vector<Vec3> read_points(const JsonNode& node) {
+    std::vector<Vec3> points;
+    for (const JsonNode& point : node.items()) points.push_back(point.vec3(1e9));
+    if (points.size() < 2) node.fail("a blade is a list of two points or more");
+    return points;
+}
+
+}  // namespace
+
+void read_events(const JsonNode& node, Scene& scene) {
+    for (const JsonNode& entry : node.items()) {
+        entry.require_object({"cut", "erase"});
+        if (entry.has("cut") == entry.has("erase")) entry.fail("an event is either a \"cut\" or an \"erase\"");
+        if (entry.has("cut")) {
+            const JsonNode cut = entry.at("cut");
+            cut.require_object({"body", "from_m", "to_m", "times_s", "stride_m", "snap"});
+            SceneEdits::Cut out;
+            out.body = read_body_number(cut, scene);
+            out.event.from_m = read_points(cut.at("from_m"));
+            out.event.to_m = read_points(cut.at("to_m"));
+            if (out.event.to_m.size() != out.event.from_m.size()) cut.at("to_m").fail("must have as many points as from_m");
+            read_times(cut, out.event.begin_s, out.event.end_s);
+            if (cut.has("stride_m")) out.event.stride_m = cut.at("stride_m").number_above(0, 1e9);
+            if (cut.has("snap")) out.event.def.snap = cut.at("snap").number(0, 0.5);
+            scene.events.cuts.push_back(std::move(out));
+        } else {
+            const JsonNode erase = entry.at("erase");
+            erase.require_object({"body", "from_m", "to_m", "radius_m", "times_s"});
+            SceneEdits::Erase out;
+            out.body = read_body_number(erase, scene);
+            out.event.from_m = erase.at("from_m").vec3(1e9);
+            out.event.to_m = erase.has("to_m") ? erase.at("to_m").vec3(1e9) : out.event.from_m;
+            out.event.radius_m = erase.at("radius_m").number_above(0, 1e9);
+            read_times(erase, out.event.begin_s, out.event.end_s);
+            scene.events.erasures.push_back(out);
+        }
+    }
+}
+
+EditScript make_edits(const Scene& scene, const World& world) {
+    const std::vector<BodyId> bodies = world.bodies();
+    std::vector<CutEvent> cuts;
+    for (const SceneEdits::Cut& cut : scene.events.cuts) {
+        cuts.push_back(cut.event);
+        cuts.back().body = bodies.at(cut.body);
+    }
+    std::vector<EraseEvent> erasures;
+    for (const SceneEdits::Erase& erase : scene.events.erasures) {
+        erasures.push_back(erase.event);
+        erasures.back().body = bodies.at(erase.body);
+    }
+    return EditScript(std::move(cuts), std::move(erasures));
+}
+
+}  // namespace supple::io

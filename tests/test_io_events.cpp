@@ -1,0 +1,49 @@
+// "events" of scene files.
+#include <gtest/gtest.h>
+
+#include "mesh_helpers.h"
+#include "supple/io/scene.h"
+
+namespace supple {
+namespace {
+
+io::Scene parse(const std::string& events) {
+    return io::parse_scene(R"({"supple_scene": 1, "time_step_s": 0.01, "gravity_m_s2": [0, 0, 0], "threads": 1, "bodies": [
+        {"name": "bar", "box": {"min_m": [0, 0, 0], "max_m": [0.4, 0.1, 0.1], "cells": [8, 2, 2], "elements": "tets"}, "density_kg_m3": 1000,
+         "material": {"law": "corotational", "young_pa": 1e5, "poisson": 0.3}}], "events": )" + events + "}", ".", "scene");
+}
+
+TEST(IoEvents, CutsAndErasuresHappenWhenTheFileSays) {
+    const io::Scene scene = parse(R"([{"cut": {"body": "bar", "from_m": [[0.213, 0.2, -1], [0.213, 0.2, 1]], "to_m": [[0.213, -0.2, -1], [0.213, -0.2, 1]], "times_s": [0.02, 0.08]}},
+                                      {"erase": {"from_m": [0.4, 0.05, 0.05], "radius_m": 0.05, "times_s": 0.11}}])");
+    World world = io::build_world(scene);
+    const EditScript script = io::make_edits(scene, world);
+    const BodyId body = world.bodies()[0];
+    for (int i = 0; i < 10; ++i) {
+        script.before_step(world);
+        world.step();
+        EXPECT_EQ(world.pieces(body).size(), i < 2 ? 1u : world.pieces(body).size());
+    }
+    EXPECT_EQ(world.pieces(body).size(), 2u);
+    const std::size_t before = world.shape(body).mesh().element_count();
+    for (int i = 0; i < 3; ++i) {
+        script.before_step(world);
+        world.step();
+    }
+    EXPECT_LT(world.shape(body).mesh().element_count(), before);
+}
+
+TEST(IoEvents, MistakesAreNamed) {
+    const auto refused = [](const std::string& text, const std::string& events) { supple_test::expect_error(ErrorCode::parse, text, [&] { parse(events); }); };
+    const std::string blade = R"("from_m": [[0, 0, 0], [1, 0, 0]], "to_m": [[0, 1, 0], [1, 1, 0]])";
+    refused("either a \"cut\" or an \"erase\"", "[{}]");
+    refused("two points or more", R"([{"cut": {"from_m": [[0, 0, 0]], "to_m": [[0, 0, 0]], "times_s": 1}}])");
+    refused("as many points", R"([{"cut": {"from_m": [[0, 0, 0], [1, 0, 0]], "to_m": [[0, 0, 0], [1, 0, 0], [2, 0, 0]], "times_s": 1}}])");
+    refused("ends before it begins", "[{\"cut\": {" + blade + ", \"times_s\": [2, 1]}}]");
+    refused("no name of a body", "[{\"cut\": {\"body\": \"baz\", " + blade + ", \"times_s\": 1}}]");
+    refused("/events/0/erase", R"([{"erase": {"from_m": [0, 0, 0], "times_s": 1}}])");
+    refused("radius_m", R"([{"erase": {"from_m": [0, 0, 0], "radius_m": 0, "times_s": 1}}])");
+}
+
+}  // namespace
+}  // namespace supple
