@@ -14,8 +14,8 @@ namespace {
 
 /// J^T K J of a contact, K in units of A.
 struct Spring {
-    std::array<std::int32_t, 4> vertex{};
-    std::array<Vec3, 4> weight{};
+    std::array<std::int32_t, Contact::kMost> vertex{};
+    std::array<Vec3, Contact::kMost> weight{};
     std::size_t corners = 0;
     Mat3 K = Mat3::Zero();
 };
@@ -72,14 +72,22 @@ BodyResponse::BodyResponse(const World& world, BodyId id, ColliderId without) {
     parts_->scale = body.work.h * body.work.h;
     if (!(parts_->scale > 0))
         throw Error(ErrorCode::invalid_argument, "BodyResponse", "\"" + body.name + "\" has made no step yet; its matrix is that of the last one: call World::step() first");
-    for (const Contact& c : body.contacts.list) {
-        if (!c.closed || (without && c.collider == without.index)) continue;
+    const auto add = [&](const Contact& c, std::size_t first, std::size_t count) {
         Spring s;
-        s.corners = c.rows().size();
-        std::copy(c.rows().begin(), c.rows().end(), s.vertex.begin());
-        std::copy(c.weights().begin(), c.weights().end(), s.weight.begin());
+        s.corners = count;
+        std::copy_n(c.vertex.begin() + std::ptrdiff_t(first), count, s.vertex.begin());
+        std::copy_n(c.masked.begin() + std::ptrdiff_t(first), count, s.weight.begin());
         s.K = parts_->scale * c.K;
         parts_->springs.push_back(s);
+    };
+    // Another soft body that it touches stands as if it were rigid.
+    for (const std::uint32_t slot : impl.order) {
+        const Body& owner = *impl.slots[slot].body;
+        for (const Contact& c : owner.contacts.list) {
+            if (!c.closed || (without && c.collider == without.index)) continue;
+            if (&owner == &body) add(c, 0, c.other == &body ? c.vertices() : c.corners);
+            else if (c.other == &body) add(c, c.corners, c.others);
+        }
     }
 }
 
