@@ -60,11 +60,11 @@ public:
 
     World& world() override { return world_; }
     double duration_s() const override { return 9; }
-    /// What its surface reaches goes, a quarter of a cell deep: between two removals it presses on what is left.
+    /// What its surface reaches goes, three quarters of a cell deep: between two removals it presses on what is left.
     void before_step() override {
         if (!playing_ || world_.step_count() % 4 != 0) return;
         const Vec3 at = world_.collider_state(tool_).pose.position_m;
-        const auto gone = elements_near(world_, body_, at, at, kBurr_m + 0.25 * kSize_m / kCells);
+        const auto gone = elements_near(world_, body_, at, at, kBurr_m + 0.75 * kSize_m / kCells);
         if (!gone.empty()) removed_ += world_.remove_elements(body_, gone).removed_elements().size();
         removed_ += world_.remove_pieces(body_, 1e-2 * kSize_m * kSize_m * kSize_m).removed_elements().size();
     }

@@ -68,7 +68,7 @@ void write_edits(ByteWriter& out, const Body& body) {
     }
 }
 
-std::unique_ptr<Body> read_edits(ByteReader& in, const Body& body, const WorldDef& world, Isa isa) {
+std::unique_ptr<Body> read_edits(ByteReader& in, bool sealed, const Body& body, const WorldDef& world, Isa isa) {
     const bool has_origin = body.edits != nullptr && body.edits->origin != nullptr;
     const bool is_edited = has_origin && !body.edits->identity.from_origin.is_identity();
     const auto count = in.value<std::uint64_t>("edits");
@@ -122,6 +122,7 @@ std::unique_ptr<Body> read_edits(ByteReader& in, const Body& body, const WorldDe
     const bool same = is_edited && body.edits->identity.vertex_id == is.vertex_id && body.edits->identity.element_id == is.element_id &&
                       body.data().mesh.vertices == edit.mesh.vertices && body.data().mesh.tets == edit.mesh.tets && body.data().mesh.hexes == edit.mesh.hexes;
     if (same) return nullptr;
+    if (!sealed) wrong("its bytes were changed after it was saved");
 
     const std::unique_ptr<Body> origin = has_origin ? origin_of(body, world, isa) : nullptr;
     const Body& from = origin ? *origin : body;

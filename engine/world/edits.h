@@ -51,7 +51,7 @@ void conserve_spin(const Body& from, Body& to, const TopologyDelta& delta);
 
 /// Edits in a snapshot: nothing but a zero for a body that has none.
 void write_edits(ByteWriter& out, const Body& body);
-/// Reads them. Where they are not those of the body: the body of this snapshot's edits, to be put in its place; otherwise null.
-std::unique_ptr<Body> read_edits(ByteReader& in, const Body& body, const WorldDef& world, Isa isa);
+/// Reads them; `sealed`: the snapshot's bytes are as they were saved, otherwise nothing is built of them. Where they are not those of the body: the body of this snapshot's edits, to be put in its place; otherwise null.
+std::unique_ptr<Body> read_edits(ByteReader& in, bool sealed, const Body& body, const WorldDef& world, Isa isa);
 
 }  // namespace supple

@@ -186,6 +186,8 @@ void World::restore(std::span<const std::byte> snapshot) {
     if (const auto count = in.value<std::uint64_t>("header"); count != w.order.size()) {
         differs("it holds " + std::to_string(count) + " bodies, this world has " + std::to_string(w.order.size()));
     }
+    ByteReader seal(snapshot.last(sizeof(std::uint64_t)));
+    const bool sealed = seal.value<std::uint64_t>("checksum") == checksum(contents);
     // Everything is read into copies first: a bad snapshot leaves the world as it was.
     std::vector<BodyState> states;
     std::vector<std::unique_ptr<Body>> edited;  ///< bodies of other edits than those here; null: as here
@@ -193,7 +195,7 @@ void World::restore(std::span<const std::byte> snapshot) {
         const auto index = in.value<std::uint32_t>("body id");
         const auto generation = in.value<std::uint32_t>("body id");
         if (index != slot || generation != w.slots[slot].generation) differs("the ids of its bodies differ: build the world by the same calls in the same order");
-        edited.push_back(read_edits(in, *w.slots[slot].body, w.def, w.isa));
+        edited.push_back(read_edits(in, sealed, *w.slots[slot].body, w.def, w.isa));
         const Body& body = edited.back() ? *edited.back() : *w.slots[slot].body;
         const auto layout = in.value<std::uint64_t>("layout");
         states.push_back(body.start);
@@ -231,8 +233,7 @@ void World::restore(std::span<const std::byte> snapshot) {
     const auto attachment_count = in.value<std::uint64_t>("attachments");
     for (std::uint64_t i = 0; i < attachment_count; ++i) attachments.push_back(read_attachment(in, w, bodies));
     if (!in.at_end()) differs("it is longer than its contents");
-    ByteReader seal(snapshot.last(sizeof(std::uint64_t)));
-    if (seal.value<std::uint64_t>("checksum") != checksum(contents)) differs("its bytes were changed after it was saved");
+    if (!sealed) differs("its bytes were changed after it was saved");
 
     w.def.gravity_m_s2 = Vec3(gravity[0], gravity[1], gravity[2]);
     w.step = step;

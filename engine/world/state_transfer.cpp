@@ -9,7 +9,7 @@
 #include <algorithm>
 #include <tuple>
 
-#include "supple/base/assert.h"
+#include "supple/base/error.h"
 #include "supple/world/body_materials.h"
 #include "supple/world/edits.h"
 #include "supple/world/precondition.h"
@@ -113,7 +113,8 @@ BodyDef follow(const BodyDef& def, std::shared_ptr<const BodyTemplate> shape, co
 std::unique_ptr<Body> make_edited(const Body& from, const MeshEdit& edit, const WorldDef& world, Isa isa) {
     const TopologyDelta& delta = edit.delta;
     auto shape = BodyTemplate::build(edit.mesh);
-    SUPPLE_ASSERT(shape->mesh().element_count() == delta.element_parent.size());
+    if (shape->mesh().element_count() != delta.element_parent.size())  // no edit of ours makes such, a snapshot's bytes may
+        throw Error(ErrorCode::invalid_argument, from.name, "the edited mesh has elements that are flat or repeat a vertex");
     auto body = make_body(follow(from.def, shape, edit), world, 0, isa);
     body->name = from.name;
     body->motions = from.motions;
