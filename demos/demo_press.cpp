@@ -14,7 +14,7 @@
 namespace supple::demos {
 namespace {
 
-constexpr double kHighest_n = 2;  // of the plot
+constexpr double kHighest_n = 3;  // of the plot
 
 struct Part {
     double from_s;

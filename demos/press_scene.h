@@ -34,6 +34,7 @@ struct PressScene {
         def.time_step_s = 1 / kRate_hz;
         def.solver.rayleigh_mass_1_s = 4;  // the tissue around it calms the swinging
         def.solver.rayleigh_stiffness_s = 0.004;
+        def.solver.contact_iterations = 40;  // a dozen is too few where the ball is dragged with friction
         return def;
     }
     haptics::LoopDef loop() const {

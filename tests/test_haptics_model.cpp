@@ -98,6 +98,31 @@ TEST(HapticsResponse, SolvesTheSystemOfTheStep) {
     EXPECT_LT((whole - A).norm(), 1e-5 * A.norm());
 }
 
+TEST(HapticsResponse, WhatTheBodyStandsOnHoldsItUp) {
+    WorldDef def = Bench::def(60);
+    def.gravity_m_s2 = Vec3(0, -9.81, 0);
+    World world(def);
+    const BodyId body = world.add_body({.shape = BodyTemplate::build(make_tet_box({.min_m = Vec3(-0.05, 0, -0.05), .max_m = Vec3(0.05, 0.04, 0.05), .cells = {5, 2, 5}})),
+                                        .material = Corotational{.young_pa = 1e5, .poisson = 0.4}});
+    const ColliderId floor = world.add_collider({.shape = PlaneShape{}});
+    for (int i = 0; i < 60; ++i) world.step();
+    ASSERT_GT(world.contacts().size(), 10u);
+    double mass = 0;
+    for (const double m : world.masses(body)) mass += m;
+    std::vector<Vec3> force(world.positions(body).size()), u(force.size(), Vec3::Zero());
+    for (std::size_t i = 0; i < force.size(); ++i) force[i] = Vec3(0, -world.masses(body)[i] / mass, 0);  // 1 N, spread like its weight
+    const auto sinks = [&](ColliderId without) {
+        std::fill(u.begin(), u.end(), Vec3::Zero());
+        EXPECT_LE(BodyResponse(world, body, without).solve(force, u, 1e-8).relative_residual, 1e-8);
+        double sum = 0;
+        for (std::size_t i = 0; i < u.size(); ++i) sum -= world.masses(body)[i] / mass * u[i].y();
+        return sum;
+    };
+    const double h = def.time_step_s;
+    EXPECT_NEAR(sinks(floor), h * h / (mass * (1 + h * def.solver.rayleigh_mass_1_s)), 1e-3 * h * h / mass) << "without its floor it falls";
+    EXPECT_LT(sinks({}), 0.1 * h * h / mass);
+}
+
 /// The response of the full system at each contact of the model to a force along its normal there, against n.W n.
 double worst_compliance_error(Bench& b, const LocalModel& model, int& compared) {
     const BodyResponse response(b.world, b.body, b.link.collider());

@@ -21,7 +21,8 @@ struct Layout {
     int font(float size) const { return std::max(11, int(std::lround(size * unit))); }
 };
 
-void draw_legend(Overlay& o, const ColorScale& scale, const Layout& at) {
+/// @param least_top  what stands above ends there
+void draw_legend(Overlay& o, const ColorScale& scale, const Layout& at, float least_top) {
     const LegendTicks ticks = legend_ticks(scale.low, scale.high, scale.unit, at.height < 400 ? 4 : 6);
     const int size = at.font(18);
     const float pad = 13 * at.unit, bar_w = 20 * at.unit, bar_h = std::round(0.42f * float(at.height)), gap = 8 * at.unit;
@@ -33,7 +34,7 @@ void draw_legend(Overlay& o, const ColorScale& scale, const Layout& at) {
     const float inner = std::max({bar_w + gap + widest, o.text_width(size, scale.title), o.text_width(size, unit)});
     const float heading = (scale.title.empty() ? 0 : line) + (unit.empty() ? 0 : line) + 6 * at.unit;
     const float panel_w = std::round(inner + 2 * pad), panel_h = std::round(heading + bar_h + 2 * pad + 0.5f * line);
-    const float left = float(at.width) - panel_w - std::round(22 * at.unit), top = std::round(0.5f * (float(at.height) - panel_h));
+    const float left = float(at.width) - panel_w - std::round(22 * at.unit), top = std::max(std::round(0.5f * (float(at.height) - panel_h)), least_top);
     o.box(left, top, panel_w, panel_h, 9 * at.unit, kPanel);
 
     float y = top + pad + o.ascent(size) - 0.1f * float(size);
@@ -103,7 +104,8 @@ void draw_curve(Overlay& o, const PlotView& plot, const PlotView::Curve& curve, 
     }
 }
 
-void draw_plot(Overlay& o, const PlotView& plot, const Layout& at) {
+/// Returns where it ends.
+float draw_plot(Overlay& o, const PlotView& plot, const Layout& at) {
     const int size = at.font(16);
     const float pad = 12 * at.unit, w = std::round(0.30f * float(at.width)), h = std::round(0.15f * float(at.height)), line = 1.25f * float(size);
     const float panel_w = w + 2 * pad, panel_h = std::round(h + 2 * line + 1.6f * pad);
@@ -137,6 +139,7 @@ void draw_plot(Overlay& o, const PlotView& plot, const Layout& at) {
     o.text(x + w - o.text_width(size, last), foot, size, kQuietInk, last);
     for (const PlotView::Curve& curve : plot.curves)
         if (!curve.points.empty()) draw_curve(o, plot, curve, x, y, w, h, std::max(2.0f, 2 * at.unit));
+    return top + panel_h;
 }
 
 void draw_labels(Overlay& o, const FrameView& view, const Layout& at) {
@@ -164,8 +167,9 @@ void annotate(Overlay& overlay, const FrameView& view, bool with_legend, int wid
     const Layout layout{float(height) / 720, width, height};
     overlay.begin(width, height);
     draw_labels(overlay, view, layout);
-    if (with_legend) draw_legend(overlay, *view.scale, layout);
-    if (view.plot && view.plot->end > view.plot->begin && view.plot->high > view.plot->low) draw_plot(overlay, *view.plot, layout);
+    float below = 0;
+    if (view.plot && view.plot->end > view.plot->begin && view.plot->high > view.plot->low) below = draw_plot(overlay, *view.plot, layout) + std::round(10 * layout.unit);
+    if (with_legend) draw_legend(overlay, *view.scale, layout, below);
     if (!view.hud.empty()) draw_hud(overlay, view.hud, layout);
     if (!view.caption.empty()) draw_caption(overlay, view.caption, layout);
 }
