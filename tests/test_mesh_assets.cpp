@@ -67,7 +67,7 @@ TEST(MeshAssets, LiverFileIsWhatItsProgramMakes) {
     const VolumeMesh mesh = supple_assets::make_liver();
     const std::filesystem::path file = std::filesystem::path(SUPPLE_SOURCE_DIR) / "assets" / "liver.msh";
     const RawGmsh raw = read_raw(file);
-    ASSERT_EQ(raw.vertices.size(), mesh.vertices.size()) << "run make_assets in assets/";
+    ASSERT_EQ(raw.vertices.size(), mesh.vertices.size()) << "run make_assets assets liver";
     for (std::size_t v = 0; v < mesh.vertices.size(); ++v) ASSERT_EQ(raw.vertices[v], mesh.vertices[v]) << v;
     EXPECT_EQ(raw.tets, mesh.tets);
     ASSERT_TRUE(raw.names.count("\"liver\"") && raw.names.count("\"ligament\""));

@@ -55,6 +55,7 @@ TEST(MeshTriangleTree, WindingNumbersAreSolidAngles) {
         const Vec3 x = 2 * random.vec();
         const double exact = tree.exact_winding_number(x);
         ASSERT_NEAR(tree.winding_number(x), exact, 0.01) << i;
+        ASSERT_NEAR(tree.winding_number(x, SolidRegion::kAccuracy), exact, 0.05) << i;
         ASSERT_NEAR(tree.winding_number(x, 1e9), exact, 1e-12) << "without expansions";
         if (x.norm() > 1.02 && (x - Vec3(0.7, 0.2, 0.1)).norm() > 0.62) {
             ASSERT_NEAR(exact, 0, 1e-9);

@@ -40,7 +40,7 @@ double SolidRegion::signed_distance(const Vec3& x, double limit) const {
 
 bool SolidRegion::uniform(const Vec3& x, double radius, bool& is_inside) const {
     if (tree_.nearest(x, radius).triangle >= 0) return false;
-    const double winding = sign_ * tree_.winding_number(x);
+    const double winding = sign_ * tree_.winding_number(x, kAccuracy);
     is_inside = winding > 0.5;
     return std::abs(winding - std::round(winding)) < kSettled;
 }
