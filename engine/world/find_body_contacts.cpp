@@ -20,7 +20,7 @@ using contact::Bounds;
 
 namespace {
 
-constexpr double kReach = 2;         // mean edges: how deep a vertex may be
+constexpr double kReach = 2;         // mean edges: how deep a vertex may be that pressed before; one that did not is followed on its way in
 constexpr double kFacing = 0.1;      // a triangle faces a vertex whose normal against its own is less than minus that
 constexpr double kFollow = 0.5;      // of the watched gap: longer ways against the other surface are followed
 constexpr double kApart = 1;         // mean edges at rest: nearer parts of one surface do not touch one another
@@ -40,10 +40,7 @@ struct Meeting {
     const Triangle& triangle(std::int32_t t) const { return other.data().boundary.triangles[std::size_t(t)]; }
     const Vec3& end(std::int32_t v) const { return surface().end[std::size_t(v)]; }
     const Vec3& start(std::int32_t v) const { return other.state.x[std::size_t(v)]; }
-    Vec3 normal(std::int32_t t) const {
-        const Triangle& c = triangle(t);
-        return (end(c[1]) - end(c[0])).cross(end(c[2]) - end(c[0])).normalized();
-    }
+    const Vec3& normal(std::int32_t t) const { return surface().normal[std::size_t(t)]; }
 };
 
 struct Found {
@@ -113,7 +110,7 @@ Vec3 feature_normal(const Meeting& m, const Found& at) {
             const Vec3 a = (m.end(c[(k + 1) % 3]) - m.end(on[0])).normalized(), b = (m.end(c[(k + 2) % 3]) - m.end(on[0])).normalized();
             weight = std::acos(std::clamp(a.dot(b), -1.0, 1.0));
         }
-        const Vec3 normal = m.normal(t);
+        const Vec3& normal = m.normal(t);
         if (normal.allFinite()) sum += weight * normal;
     }
     return sum;
@@ -202,17 +199,20 @@ Vec3 vertex_normal(const Meeting& m, std::int32_t v) {
 void look_at_vertex(Meeting& m, std::int32_t v) {
     const ContactSurface& own = *m.body.contacts.surface;
     const Vec3 &p0 = m.body.state.x[std::size_t(v)], &p1 = own.end[std::size_t(v)];
-    const Vec3 normal = vertex_normal(m, v);
+    const bool pressed = remembered(m, v);
+    const double reach = pressed ? m.reach_m : m.margin_m;
     Bounds box{p0, p0};
     box.include(p1);
-    box.grow(m.reach_m);
+    box.grow(reach);
+    Vec3 normal = Vec3::Zero();
     Found nearest, facing;
     double nearest_m = HUGE_VAL, facing_m = HUGE_VAL, facing_dot = 0;
     std::optional<Found> crossed;
     m.surface().tree.overlapping(box, [&](std::int32_t t) {
         const Triangle& c = m.triangle(t);
-        const Vec3 n = m.normal(t);
+        const Vec3& n = m.normal(t);
         if (!n.allFinite()) return;
+        if (normal.isZero(0)) normal = vertex_normal(m, v);
         const double against = n.dot(normal);
         const bool faces = against <= -kFacing;
         if (m.self && (!faces || neighbours(m, v, t))) return;
@@ -245,7 +245,7 @@ void look_at_vertex(Meeting& m, std::int32_t v) {
     const double over = facing.normal.dot(gap(facing));
     const bool inside = m.self ? over < 0 : feature_normal(m, nearest).dot(gap(nearest)) < 0;
     if (inside) {
-        if (over < 0 && facing_m <= m.reach_m && (!m.self || remembered(m, v))) add_contact(m, v, facing);
+        if (over < 0 && facing_m <= reach && (!m.self || pressed)) add_contact(m, v, facing);
     } else if (over >= 0 && facing_m <= m.margin_m) {
         add_contact(m, v, facing);
     }
@@ -267,9 +267,9 @@ void find_body_contacts(StepContext& ctx, Member& member, std::span<Member> memb
         ContactSurface& surface = *other.body->contacts.surface;
         const double margin = 0.5 * (own.margin_m + surface.margin_m), reach = kReach * surface.mean_edge_m;
         Bounds box = surface.box;
-        box.grow(reach);
+        box.grow(margin);
         if (!box.overlaps(own.box)) continue;
-        surface.fit(other.body->state.x);
+        surface.fit(other.body->data().boundary.triangles, other.body->state.x);
         const double friction = std::sqrt(member.body->def.friction * other.body->def.friction);
         Meeting m{ctx, *member.body, *other.body, std::int32_t(other.id.index), &member == &other, margin, reach, friction};
         for (const std::int32_t v : member.body->data().boundary_vertices) {

@@ -359,7 +359,7 @@ void find_touching(StepContext& ctx, Body& body) {
             look_at_vertex(m, v);
         }
         if (everywhere || collider.feature_radius_m > kRoundEnough * surface.longest_edge_m) continue;
-        surface.fit(body.state.x);
+        surface.fit(body.data().boundary.triangles, body.state.x);
         surface.tree.overlapping(m.swept, [&](std::int32_t triangle) { look_at_triangle(m, triangle); });
     }
 }
@@ -372,9 +372,15 @@ double weight_against(const StepContext& ctx, const Body& body, std::int32_t v) 
     return inertia + body.stiffness_trace[i] / 3;
 }
 
-void ContactSurface::fit(std::span<const Vec3> start) {
-    if (!fitted) tree.refit(start, end, margin_m);
+void ContactSurface::fit(std::span<const Triangle> triangles, std::span<const Vec3> start) {
+    if (fitted) return;
     fitted = true;
+    tree.refit(start, end, margin_m);
+    normal.resize(triangles.size());
+    for (std::size_t t = 0; t < triangles.size(); ++t) {
+        const Vec3& a = end[std::size_t(triangles[t][0])];
+        normal[t] = (end[std::size_t(triangles[t][1])] - a).cross(end[std::size_t(triangles[t][2])] - a).normalized();
+    }
 }
 
 void find_contacts(StepContext& ctx, std::span<Member> members) {

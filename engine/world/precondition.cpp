@@ -281,9 +281,8 @@ void hand_out(const Island& island, std::span<const Vec3> all, std::vector<Vec3>
 }
 
 template <class Real>
-solve::LinearSolveResult solve_together(StepContext& ctx, Island& island, JointSystem<Real>& joint, bool warm, const solve::LinearSolveDef& def, bool remember,
+solve::LinearSolveResult solve_together(StepContext& ctx, Island& island, JointSystem<Real>& joint, bool warm, const solve::LinearSolveDef& def,
                                         FunctionRef<void()> true_residual) {
-    const bool automatic = ctx.world.def.solver.preconditioner == PreconditionerKind::automatic;
     joint.solver.resize(island.rows);
     joint.solver.set_eliminated(ctx.world.eliminated);
     for (auto* field : {&joint.b, &joint.x, &joint.residual}) field->assign(island.rows, Vec3::Zero());
@@ -330,12 +329,8 @@ solve::LinearSolveResult solve_together(StepContext& ctx, Island& island, JointS
     set_parts(false);
     solve::LinearSolveResult result = run(std::span(guesses, warm ? 2 : 0), def);
     for (const Member& m : island.members) {
-        std::int32_t& broken = m.body->state.solver[kMemoryBroken];
-        if (broken > 0) {
-            --broken;
-        } else if (remember && automatic && kind_at_work(*m.body) == PreconditionerKind::block_jacobi) {
-            note_jacobi(*m.body, result.iterations);
-        }
+        std::int32_t& broken = m.body->state.solver[kMemoryBroken];  // iterations are not remembered: they are those of what touches
+        if (broken > 0) --broken;
     }
     if (built && result.breakdown && !result.indefinite) {
         ctx.report.flags |= StepFlag::preconditioner;
@@ -428,10 +423,10 @@ solve::LinearSolveResult solve_preconditioned(StepContext& ctx, Island& island, 
     if (!island.alone()) {
         if (world.def.solver.precision == Precision::single) {
             if (!world.joint_single) world.joint_single = std::make_unique<JointSystem<float>>(world.isa);
-            return solve_together(ctx, island, *world.joint_single, warm, def, remember, true_residual);
+            return solve_together(ctx, island, *world.joint_single, warm, def, true_residual);
         }
         if (!world.joint_double) world.joint_double = std::make_unique<JointSystem<double>>(world.isa);
-        return solve_together(ctx, island, *world.joint_double, warm, def, remember, true_residual);
+        return solve_together(ctx, island, *world.joint_double, warm, def, true_residual);
     }
     Body& body = *island.members[0].body;
     const std::span<const Vec3> guesses[2] = {body.state.dv1, body.state.dv2};
