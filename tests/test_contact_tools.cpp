@@ -358,7 +358,7 @@ TEST(ContactIntegrators, EveryOneLandsAndRests) {
 
 TEST(ContactIntegrators, NewtonToATolerance) {
     WorldDef def = quick();
-    def.solver.newton_iterations = 30;
+    def.solver.newton_iterations = 120;  // where contacts slip, the secant of their friction takes off a tenth in each
     def.solver.newton_tolerance = 1e-6;
     def.solver.cg_relative_tolerance = 1e-8;
     def.solver.precision = Precision::double_;
@@ -367,7 +367,7 @@ TEST(ContactIntegrators, NewtonToATolerance) {
     world.add_collider({});
     int capped = 0;
     for (int n = 0; n < 60; ++n) capped += world.step().flags != StepFlag::none;
-    EXPECT_LE(capped, 3);
+    EXPECT_LE(capped, 2);
     for (const Vec3& x : world.positions(body)) EXPECT_GT(x.y(), -1e-3);
 }
 

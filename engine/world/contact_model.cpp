@@ -144,8 +144,7 @@ Member& member_of(Island& island, const Body* body) {
     return *std::find_if(island.members.begin(), island.members.end(), [&](const Member& m) { return m.body == body; });
 }
 
-/// The row of a contact in the island's system. The members' preconditioners see those within one body alone: a contact of two stiffens what moves the one against
-/// the other, and its diagonal would stiffen what moves both alike as well. Without, it is an eigenvalue of about twenty times the others', the same for all.
+/// The row of a contact in the island's system, and its parts in those of the members.
 void append_row(StepContext& ctx, Island& island, Member& member, Contact& c) {
     const double hs = member.body->work.h;
     const Mat3 K = hs * hs * c.K;
@@ -158,7 +157,12 @@ void append_row(StepContext& ctx, Island& island, Member& member, Contact& c) {
     Member& other = c.other != nullptr ? member_of(island, c.other) : member;
     for (std::size_t k = 0; k < c.vertices(); ++k) c.row[k] = c.vertex[k] + std::int32_t((k < c.corners ? member : other).first_row);
     ctx.world.appended.push_back({{c.row.data(), c.vertices()}, weight, K});
-    if (&other == &member) member.body->work.own_rows.push_back({vertex, weight, K});
+    if (&other == &member) {
+        member.body->work.own_rows.push_back({vertex, weight, K});
+        return;
+    }
+    member.body->work.own_rows.push_back({vertex.first(c.corners), weight.first(c.corners), K});
+    other.body->work.own_rows.push_back({vertex.subspan(c.corners), weight.subspan(c.corners), K});
 }
 
 }  // namespace

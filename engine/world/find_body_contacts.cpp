@@ -20,7 +20,7 @@ using contact::Bounds;
 
 namespace {
 
-constexpr double kReach = 2;         // mean edges: how deep a vertex may be that pressed before; one that did not is followed on its way in
+constexpr double kReach = 2;         // mean edges: how deep a vertex may be that pressed before or is fast; what is slow and new is not deep
 constexpr double kFacing = 0.1;      // a triangle faces a vertex whose normal against its own is less than minus that
 constexpr double kFollow = 0.5;      // of the watched gap: longer ways against the other surface are followed
 constexpr double kApart = 1;         // mean edges at rest: nearer parts of one surface do not touch one another
@@ -200,7 +200,7 @@ void look_at_vertex(Meeting& m, std::int32_t v) {
     const ContactSurface& own = *m.body.contacts.surface;
     const Vec3 &p0 = m.body.state.x[std::size_t(v)], &p1 = own.end[std::size_t(v)];
     const bool pressed = remembered(m, v);
-    const double reach = pressed ? m.reach_m : m.margin_m;
+    const double reach = pressed || (p1 - p0).squaredNorm() > m.margin_m * m.margin_m ? m.reach_m : m.margin_m;
     Bounds box{p0, p0};
     box.include(p1);
     box.grow(reach);
