@@ -1,4 +1,4 @@
-// Ten different bodies fall on a table and on one another: contact of soft bodies, friction, a heap that comes to rest.
+// Ten different bodies fall into a tray and on one another: contact of soft bodies, friction, a heap that comes to rest.
 #include <cmath>
 
 #include "demo.h"
@@ -10,6 +10,7 @@ namespace supple::demos {
 namespace {
 
 constexpr double kEdge_m = 0.016;
+constexpr double kTray_m = 0.14, kWall_m = 0.006;  // half its inner width, half the thickness of its walls
 constexpr double kReach_m = 0.07;  // every shape lies within it around its middle
 
 double ball(const Vec3& p, double radius) { return p.norm() - radius; }
@@ -38,6 +39,10 @@ struct Piece {
 
 std::vector<Piece> pieces() {
     std::vector<Piece> list;
+    list.push_back({"blob", fill([](const Vec3& p) {
+                        return both(both(ball(p - Vec3(0.02, 0.01, 0), 0.032), ball(p + Vec3(0.022, 0, 0.01), 0.028), 0.02), ball(p - Vec3(0, -0.012, 0.026), 0.024), 0.02);
+                    }),
+                    2e4, 1000, {0.85f, 0.55f, 0.62f}, Look::gel});
     list.push_back({"ball", fill([](const Vec3& p) { return ball(p, 0.045); }), 6e4, 900, {0.86f, 0.28f, 0.24f}, Look::rubber});
     list.push_back({"cushion", fill([](const Vec3& p) { return rounded_box(p, Vec3(0.06, 0.022, 0.05), 0.018); }), 3e4, 600, {0.95f, 0.76f, 0.35f}, Look::rubber});
     list.push_back({"ring", fill([](const Vec3& p) { return ring(p, 0.042, 0.018); }), 8e4, 800, {0.24f, 0.55f, 0.80f}, Look::rubber});
@@ -60,10 +65,6 @@ std::vector<Piece> pieces() {
                     6e4, 900, {0.70f, 0.45f, 0.75f}, Look::rubber});
     list.push_back({"die", make_tet_box({.min_m = Vec3::Constant(-0.032), .max_m = Vec3::Constant(0.032), .cells = {5, 5, 5}}), 1e5, 900, {0.25f, 0.62f, 0.62f}, Look::rubber});
     list.push_back({"brick", make_hex_box({.min_m = Vec3(-0.055, -0.02, -0.03), .max_m = Vec3(0.055, 0.02, 0.03), .cells = {8, 3, 4}}), 1e5, 1000, {0.80f, 0.52f, 0.30f}, Look::rubber});
-    list.push_back({"blob", fill([](const Vec3& p) {
-                        return both(both(ball(p - Vec3(0.02, 0.01, 0), 0.032), ball(p + Vec3(0.022, 0, 0.01), 0.028), 0.02), ball(p - Vec3(0, -0.012, 0.026), 0.024), 0.02);
-                    }),
-                    2e4, 1000, {0.85f, 0.55f, 0.62f}, Look::gel});
     return list;
 }
 
@@ -82,6 +83,11 @@ class Heap : public Show {
 public:
     explicit Heap(const ShowOptions& options) : world_(world_def(options)) {
         world_.add_collider({.name = "table", .shape = PlaneShape{}, .friction = 0.4});
+        for (const double side : {-1.0, 1.0}) {
+            const double at = side * (kTray_m + kWall_m);
+            world_.add_collider({.name = "wall", .shape = BoxShape{Vec3(kWall_m, 0.035, kTray_m + 2 * kWall_m)}, .pose = {{at, 0.035, 0}, {1, 0, 0, 0}}, .friction = 0.3});
+            world_.add_collider({.name = "wall", .shape = BoxShape{Vec3(kTray_m, 0.035, kWall_m)}, .pose = {{0, 0.035, at}, {1, 0, 0, 0}}, .friction = 0.3});
+        }
         double height = 0.08;
         int i = 0;
         for (Piece& piece : pieces()) {
@@ -92,8 +98,8 @@ public:
             def.density_kg_m3 = piece.density_kg_m3;
             def.friction = 0.4;
             const double turn = 2.4 * i;  // the golden angle: no two above one another
-            def.translation_m = Vec3(0.035 * std::cos(turn), height, 0.035 * std::sin(turn));
-            def.velocity_m_s = Vec3(0, -1, 0);
+            def.translation_m = Vec3(0.025 * std::cos(turn), height, 0.025 * std::sin(turn));
+            def.velocity_m_s = Vec3(0, -0.5, 0);
             world_.add_body(def);
             colors_.push_back(piece.color);
             looks_.push_back(piece.look);
@@ -101,9 +107,9 @@ public:
             ++i;
         }
         SceneBounds bounds;
-        bounds.include(Vec3(-0.22, 0, -0.2));
-        bounds.include(Vec3(0.22, 0.28, 0.2));
-        camera_ = frame_camera(bounds, Vec3(0.35, 0.45, 1), 34);
+        bounds.include(Vec3(-0.15, 0, -0.15));
+        bounds.include(Vec3(0.15, 0.2, 0.15));
+        camera_ = frame_camera(bounds, Vec3(0.35, 0.6, 1), 34);
     }
 
     World& world() override { return world_; }

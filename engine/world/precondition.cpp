@@ -303,7 +303,9 @@ solve::LinearSolveResult solve_together(StepContext& ctx, Island& island, JointS
             Body& body = *m.body;
             System<Real>& system = std::get<System<Real>>(body.system);
             solve::Preconditioner<Real>* preconditioner = system.preconditioner.get();
-            if (!simple && !works_without_build(body)) {
+            // What touches asks for many solves with little work each: there small bodies are better off with what is quickly made.
+            const bool small = ctx.world.def.solver.preconditioner == PreconditionerKind::automatic && body.vertices() < kMultigridRows;
+            if (!simple && !small && !works_without_build(body)) {
                 built = true;
                 if (kind_at_work(body) == PreconditionerKind::lattice_multigrid) {
                     turn_lattice(ctx, body, system);
