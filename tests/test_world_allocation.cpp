@@ -1,6 +1,7 @@
 // A step in the steady state allocates nothing: every form of operator new is counted for this whole executable, on all threads.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cstdlib>
 #include <new>
@@ -115,6 +116,26 @@ struct Busy {
         EXPECT_EQ(world.step().flags, StepFlag::none);
     }
 };
+
+TEST(WorldAllocation, BodiesThatTouchAllocateNothing) {
+    if (skipped()) return;
+    for (const Precision precision : {Precision::single, Precision::double_}) {
+        WorldDef def;
+        def.threads = 1;
+        def.solver.precision = precision;
+        World world(def);
+        world.add_collider({});
+        const BodyId low = world.add_body({.shape = test::cube(3, 0.1), .material = Corotational{.young_pa = 1e5, .poisson = 0.4}});
+        world.add_body({.shape = test::cube(2, 0.06), .material = Corotational{.young_pa = 1e5, .poisson = 0.4}, .translation_m = {0.02, 0.1005, 0.02}, .touches_itself = true});
+        world.begin_drag(*world.pick({{0.05, 0.05, 1}, {0, 0, -1}}), {.radius_m = 0.04});
+        for (int n = 0; n < 200; ++n) world.step();
+        EXPECT_TRUE(std::any_of(world.contacts().begin(), world.contacts().end(), [&](const ContactPoint& c) { return c.other == low; }));
+        EXPECT_EQ(allocations_of([&] {
+                      for (int n = 0; n < 10; ++n) world.step();
+                  }),
+                  0);
+    }
+}
 
 void expect_no_allocation(const WorldDef& def, const char* what) {
     Busy busy(def);

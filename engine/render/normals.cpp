@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <numeric>
+
+#include "supple/base/disjoint_sets.h"
 
 namespace supple::render {
 namespace {
@@ -12,17 +13,6 @@ struct HalfEdge {
     std::int32_t low, high;                 // vertices, low < high
     std::uint32_t corner_low, corner_high;  // 3 * triangle + k, where those vertices sit
 };
-
-std::uint32_t root_of(std::vector<std::uint32_t>& parent, std::uint32_t c) {
-    while (parent[c] != c) c = parent[c] = parent[parent[c]];
-    return c;
-}
-
-void join(std::vector<std::uint32_t>& parent, std::uint32_t a, std::uint32_t b) {
-    a = root_of(parent, a);
-    b = root_of(parent, b);
-    parent[std::max(a, b)] = std::min(a, b);
-}
 
 }  // namespace
 
@@ -53,8 +43,7 @@ SmoothTopology split_at_creases(std::span<const Vec3> positions, std::span<const
 
     SmoothTopology out;
     out.closed = true;
-    std::vector<std::uint32_t> parent(3 * count);
-    std::iota(parent.begin(), parent.end(), 0u);
+    DisjointSets corners(3 * count);
     const double least_cosine = std::cos(crease_angle_deg * std::numbers::pi / 180);
     for (std::size_t i = 0; i < halves.size(); ++i) {
         const HalfEdge& a = halves[i];
@@ -72,8 +61,8 @@ SmoothTopology split_at_creases(std::span<const Vec3> positions, std::span<const
         const bool flat = na.isZero() || nb.isZero();
         const bool crisp = !flat && na.dot(nb) < least_cosine;
         if (!crisp) {
-            join(parent, a.corner_low, b.corner_low);
-            join(parent, a.corner_high, b.corner_high);
+            corners.join(a.corner_low, b.corner_low);
+            corners.join(a.corner_high, b.corner_high);
         }
         out.edges.push_back({a.low, a.high, std::int32_t(a.corner_low / 3), std::int32_t(b.corner_low / 3), crisp});
     }
@@ -81,7 +70,7 @@ SmoothTopology split_at_creases(std::span<const Vec3> positions, std::span<const
     std::vector<std::uint32_t> number(3 * count);
     out.triangles.resize(count);
     for (std::uint32_t c = 0; c < 3 * count; ++c) {
-        const std::uint32_t r = root_of(parent, c);  // r <= c: already numbered unless it is c itself
+        const auto r = std::uint32_t(corners.root(c));  // r <= c: already numbered unless it is c itself
         if (r == c) {
             number[c] = std::uint32_t(out.vertex_of.size());
             out.vertex_of.push_back(triangles[c / 3][c % 3]);

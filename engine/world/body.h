@@ -109,6 +109,8 @@ struct Workspace {
     std::vector<Vec3> dv, residual, product;
     std::vector<Vec3> bare;           ///< b - A dv of the body itself: without drag springs and contacts
     std::vector<solve::AppendedRow> own_rows;  ///< in an island of several: the body's part of the rows beside the matrices, in its own vertices, for its preconditioner
+    std::size_t place = 0;            ///< of the body among those of the step
+    std::size_t first_row = 0;        ///< of its vertices in the system of its island
     std::vector<double> diagonal;     ///< mass part of the matrix
     std::vector<double> partial;
 };

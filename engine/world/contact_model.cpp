@@ -140,29 +140,24 @@ void take_contacts(StepContext& ctx, Island& island) {
 
 namespace {
 
-Member& member_of(Island& island, const Body* body) {
-    return *std::find_if(island.members.begin(), island.members.end(), [&](const Member& m) { return m.body == body; });
-}
-
 /// The row of a contact in the island's system, and its parts in those of the members.
-void append_row(StepContext& ctx, Island& island, Member& member, Contact& c) {
-    const double hs = member.body->work.h;
-    const Mat3 K = hs * hs * c.K;
+void append_row(StepContext& ctx, const Island& island, Body& body, Contact& c) {
+    const Mat3 K = body.work.h * body.work.h * c.K;
     const std::span<const std::int32_t> vertex(c.vertex.data(), c.vertices());
     const std::span<const Vec3> weight(c.masked.data(), c.vertices());
     if (island.alone()) {
         ctx.world.appended.push_back({vertex, weight, K});
         return;
     }
-    Member& other = c.other != nullptr ? member_of(island, c.other) : member;
-    for (std::size_t k = 0; k < c.vertices(); ++k) c.row[k] = c.vertex[k] + std::int32_t((k < c.corners ? member : other).first_row);
+    Body& other = c.other != nullptr ? *c.other : body;
+    for (std::size_t k = 0; k < c.vertices(); ++k) c.row[k] = c.vertex[k] + std::int32_t((k < c.corners ? body : other).work.first_row);
     ctx.world.appended.push_back({{c.row.data(), c.vertices()}, weight, K});
-    if (&other == &member) {
-        member.body->work.own_rows.push_back({vertex, weight, K});
+    if (&other == &body) {
+        body.work.own_rows.push_back({vertex, weight, K});
         return;
     }
-    member.body->work.own_rows.push_back({vertex.first(c.corners), weight.first(c.corners), K});
-    other.body->work.own_rows.push_back({vertex.subspan(c.corners), weight.subspan(c.corners), K});
+    body.work.own_rows.push_back({vertex.first(c.corners), weight.first(c.corners), K});
+    other.work.own_rows.push_back({vertex.subspan(c.corners), weight.subspan(c.corners), K});
 }
 
 }  // namespace
@@ -181,14 +176,14 @@ void append_contacts(StepContext& ctx, Island& island) {
         const double hs = member.body->work.h;
         for (Contact& c : member.body->contacts.list) {
             if (!c.closed) continue;
-            append_row(ctx, island, member, c);
+            append_row(ctx, island, *member.body, c);
             if (c.collider == kNoCollider || !world.colliders[c.collider].unknown()) continue;
             Collider& collider = world.colliders[c.collider];
             const solve::Mat36 J = point_velocity(c.lever), KJ = c.K * J;
             collider.A += hc * hc * J.transpose() * KJ;
             collider.b -= hc * J.transpose() * c.force(Vec3::Zero());
             for (std::size_t k = 0; k < c.corners; ++k) {
-                collider.row.push_back(c.vertex[k] + std::int32_t(member.first_row));
+                collider.row.push_back(c.vertex[k] + std::int32_t(member.body->work.first_row));
                 collider.dv.push_back(&member.body->work.dv[std::size_t(c.vertex[k])]);
                 collider.block.push_back(hs * hc * c.masked[k].asDiagonal() * KJ);
             }

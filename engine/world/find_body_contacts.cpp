@@ -263,12 +263,12 @@ bool may_touch(const World::Impl& world, const Member& a, const Member& b) {
 void find_body_contacts(StepContext& ctx, Member& member, std::span<Member> members) {
     const ContactSurface& own = *member.body->contacts.surface;
     for (Member& other : members) {
-        if (!other.body->contacts.surface || !may_touch(ctx.world, member, other)) continue;
+        if (!other.body->contacts.surface) continue;
         ContactSurface& surface = *other.body->contacts.surface;
         const double margin = 0.5 * (own.margin_m + surface.margin_m), reach = kReach * surface.mean_edge_m;
         Bounds box = surface.box;
         box.grow(margin);
-        if (!box.overlaps(own.box)) continue;
+        if (!box.overlaps(own.box) || !may_touch(ctx.world, member, other)) continue;
         surface.fit(other.body->data().boundary.triangles, other.body->state.x);
         const double friction = std::sqrt(member.body->def.friction * other.body->def.friction);
         Meeting m{ctx, *member.body, *other.body, std::int32_t(other.id.index), &member == &other, margin, reach, friction};

@@ -1,4 +1,5 @@
 #pragma once
+#include "supple/base/disjoint_sets.h"
 #include "supple/world/island.h"
 
 namespace supple {
@@ -36,7 +37,8 @@ struct World::Impl {
     std::vector<Member> active;                ///< scratch of a step: the bodies that take part in it
     std::vector<Island> islands;               ///< scratch of a step; more than are in use, so that their memory stays
     std::size_t living_islands = 0;
-    std::vector<std::size_t> island_of, first_at_collider;  ///< scratch of form_islands()
+    DisjointSets together;                     ///< scratch of form_islands(), as is
+    std::vector<std::size_t> first_at_collider;
     std::unique_ptr<JointSystem<float>> joint_single;   ///< made with the first island of several members
     std::unique_ptr<JointSystem<double>> joint_double;
 

@@ -1,45 +1,25 @@
 // Which bodies are solved together.
 #include "supple/world/island.h"
 
-#include <numeric>
-
 #include "supple/world/impl.h"
 
 namespace supple {
 
-namespace {
-
-/// The smallest member of the set that i is in; on the way, sets become flatter.
-std::size_t root_of(std::vector<std::size_t>& parent, std::size_t i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-}
-
-void join(std::vector<std::size_t>& parent, std::size_t a, std::size_t b) {
-    a = root_of(parent, a);
-    b = root_of(parent, b);
-    parent[std::max(a, b)] = std::min(a, b);
-}
-
-}  // namespace
-
 void form_islands(World::Impl& world) {
     const std::vector<Member>& active = world.active;
-    std::vector<std::size_t>& parent = world.island_of;
+    DisjointSets& sets = world.together;
     std::vector<std::size_t>& first_at = world.first_at_collider;
-    parent.resize(active.size());
-    std::iota(parent.begin(), parent.end(), std::size_t{0});
+    sets.reset(active.size());
+    for (std::size_t i = 0; i < active.size(); ++i) active[i].body->work.place = i;
     first_at.assign(world.colliders.size(), active.size());
     for (std::size_t i = 0; i < active.size(); ++i) {
         for (const Contact& c : active[i].body->contacts.list) {
             if (c.other != nullptr) {
-                for (std::size_t j = 0; j < active.size(); ++j) {
-                    if (active[j].body == c.other) join(parent, i, j);
-                }
+                sets.join(i, c.other->work.place);
             } else if (c.collider != kNoCollider && world.colliders[c.collider].unknown()) {
                 std::size_t& first = first_at[c.collider];
                 if (first == active.size()) first = i;
-                join(parent, i, first);
+                sets.join(i, first);
             }
         }
     }
@@ -47,7 +27,7 @@ void form_islands(World::Impl& world) {
     std::vector<std::size_t>& island = first_at;  // [root] its island; the colliders are done with
     island.assign(active.size(), 0);
     for (std::size_t i = 0; i < active.size(); ++i) {
-        const std::size_t root = root_of(parent, i);
+        const std::size_t root = sets.root(i);
         if (root == i) {  // the first of its members
             island[i] = world.living_islands++;
             if (world.islands.size() < world.living_islands) world.islands.emplace_back();
@@ -56,7 +36,8 @@ void form_islands(World::Impl& world) {
             fresh.members.clear();
         }
         Island& home = world.islands[island[root]];
-        home.members.push_back({active[i].id, active[i].body, home.rows});
+        home.members.push_back(active[i]);
+        active[i].body->work.first_row = home.rows;
         home.rows += active[i].body->vertices();
         home.elements += active[i].body->element_count();
     }

@@ -9,7 +9,6 @@ namespace supple {
 struct Member {
     BodyId id;
     Body* body = nullptr;
-    std::size_t first_row = 0;  ///< of its vertices in the island's system
 };
 
 /// Bodies that touch, or are tied together, or share a collider that yields: one system for all of them. Most have one member.

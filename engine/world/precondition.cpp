@@ -274,10 +274,10 @@ solve::LinearSolveResult solve_alone(StepContext& ctx, Body& body, System<Real>&
 
 /// Vertex fields of all members in a row, and back.
 void collect(const Island& island, std::vector<Vec3> Workspace::* field, std::span<Vec3> all) {
-    for (const Member& m : island.members) std::copy((m.body->work.*field).begin(), (m.body->work.*field).end(), all.begin() + std::ptrdiff_t(m.first_row));
+    for (const Member& m : island.members) std::copy((m.body->work.*field).begin(), (m.body->work.*field).end(), all.begin() + std::ptrdiff_t(m.body->work.first_row));
 }
 void hand_out(const Island& island, std::span<const Vec3> all, std::vector<Vec3> Workspace::* field) {
-    for (const Member& m : island.members) std::copy_n(all.begin() + std::ptrdiff_t(m.first_row), m.body->vertices(), (m.body->work.*field).begin());
+    for (const Member& m : island.members) std::copy_n(all.begin() + std::ptrdiff_t(m.body->work.first_row), m.body->vertices(), (m.body->work.*field).begin());
 }
 
 template <class Real>
@@ -292,7 +292,7 @@ solve::LinearSolveResult solve_together(StepContext& ctx, Island& island, JointS
         joint.guess[i].resize(island.rows);
         for (const Member& m : island.members) {
             const std::vector<Vec3>& guess = i == 0 ? m.body->state.dv1 : m.body->state.dv2;
-            std::copy(guess.begin(), guess.end(), joint.guess[i].begin() + std::ptrdiff_t(m.first_row));
+            std::copy(guess.begin(), guess.end(), joint.guess[i].begin() + std::ptrdiff_t(m.body->work.first_row));
         }
         guesses[i] = joint.guess[i];
     }
@@ -315,7 +315,7 @@ solve::LinearSolveResult solve_together(StepContext& ctx, Island& island, JointS
                 }
             }
             preconditioner->update(ctx.team, system.A, body.work.own_rows);
-            joint.parts.push_back({&system.A, preconditioner, system.coupling.get(), m.first_row});
+            joint.parts.push_back({&system.A, preconditioner, system.coupling.get(), body.work.first_row});
         }
     };
     const auto run = [&](std::span<const std::span<const Vec3>> from, const solve::LinearSolveDef& goal) {

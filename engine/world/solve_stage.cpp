@@ -52,7 +52,7 @@ void append_own(StepContext& ctx, Island& island, Member& member, std::span<cons
         return;
     }
     row.resize(vertex.size());
-    for (std::size_t i = 0; i < row.size(); ++i) row[i] = std::int32_t(member.first_row) + vertex[i];
+    for (std::size_t i = 0; i < row.size(); ++i) row[i] = std::int32_t(member.body->work.first_row) + vertex[i];
     ctx.world.appended.push_back({row, weight, K});
     member.body->work.own_rows.push_back({vertex, weight, K});
 }

@@ -30,7 +30,8 @@ void part_island(StepContext& ctx, Watch& watch, Island& island) {
     lone.members.resize(1);
     for (Member& member : island.members) {
         fem::seed_rotations(ctx.team, member.body->layout(), member.body->state.x, member.body->state.quaternion);
-        lone.members[0] = {member.id, member.body, 0};
+        lone.members[0] = member;
+        member.body->work.first_row = 0;
         lone.rows = member.body->vertices();
         begin_body(ctx, lone.members[0]);
         begin_touch(ctx, lone.members);
@@ -81,7 +82,7 @@ StepReport do_step(World::Impl& world) noexcept {
             drop_contacts(body);
             continue;
         }
-        world.active.push_back({id, &body, 0});
+        world.active.push_back({id, &body});
         begin_body(ctx, world.active.back());
         watch.lap(ctx, Stage::loads);
     }

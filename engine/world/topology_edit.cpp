@@ -289,8 +289,7 @@ std::vector<BodyId> World::split_off_pieces(BodyId id) {
         out.push_back({slot, w.slots[slot].generation});
         for (Drag& drag : w.drags)
             if (drag.generation != 0 && drag.body == id && weight_kept(drag.vertex, drag.vertex.size(), edit.delta, drag.weight) > 0.5) drag.body = out.back();
-        for (Attachment& a : w.attachments)
-        {
+        for (Attachment& a : w.attachments) {
             if (a.generation == 0) continue;
             if (a.def.body == id && weight_kept(a.def.vertices, std::size_t(a.corners), edit.delta, a.def.weights) > 0.5) a.def.body = out.back();
             if (a.def.other == id && weight_kept(a.def.other_vertices, std::size_t(a.others), edit.delta, a.def.other_weights) > 0.5) a.def.other = out.back();
