@@ -29,8 +29,8 @@ public:
     Card(FunctionRef<void(const std::string&)> print, std::vector<ScoreLine>& lines) : print_(print), lines_(lines) {}
     void text(const std::string& line) { print_(line + "\n"); }
     /// @param relative, least  tolerance = the larger of relative |value| and least
-    void add(const std::string& row, const std::string& what, double value, double relative, double least, const std::string& demand = {}, bool good = true) {
-        lines_.push_back({row + " " + what, value, std::max(relative * std::abs(value), least), good, demand});
+    void add(const std::string& row, const std::string& what, double value, double relative, double least, Worse worse, const std::string& demand = {}, bool good = true) {
+        lines_.push_back({row + " " + what, value, std::max(relative * std::abs(value), least), worse, good, demand});
         if (!good) text("    does not hold: " + what + " " + demand);
     }
 
@@ -47,9 +47,9 @@ std::string format(const char* pattern, auto... values) {
 
 /// What must hold of every run.
 void demands(Card& card, const std::string& row, const HapticRun& run, const DeviceLimits& limits, bool energy = true) {
-    card.add(row, "peak_force_n", run.peak_force_n, 0.05, 0.02, "<= the device's limit, finite", run.finite && run.peak_force_n <= limits.force_n * (1 + 1e-9));
-    card.add(row, "peak_slew_n_ms", run.peak_slew_n_ms, 0.25, 0.05, "<= what is stated", run.peak_slew_n_ms <= run.stated_slew_n_ms * (1 + 1e-9));
-    if (energy) card.add(row, "lowest_energy_mj", run.lowest_mj, 0.3, 0.05, ">= -1 mJ", run.lowest_mj >= kLeastEnergy_mj);
+    card.add(row, "peak_force_n", run.peak_force_n, 0.05, 0.02, Worse::either, "<= the device's limit, finite", run.finite && run.peak_force_n <= limits.force_n * (1 + 1e-9));
+    card.add(row, "peak_slew_n_ms", run.peak_slew_n_ms, 0.25, 0.05, Worse::higher, "<= what is stated", run.peak_slew_n_ms <= run.stated_slew_n_ms * (1 + 1e-9));
+    if (energy) card.add(row, "lowest_energy_mj", run.lowest_mj, 0.3, 0.05, Worse::lower, ">= -1 mJ", run.lowest_mj >= kLeastEnergy_mj);
 }
 
 bool stable(HapticRigDef def, double K) {
@@ -110,13 +110,13 @@ void fidelity(Card& card, bool quick) {
         card.text(format("  %6.0f  %9.0f  %12.4f  %9.2f  %14.4f  %11.4f  %14.4f  %9.4f  %8.0f", r.simulation, r.haptic, rms, 100 * rms / peak, run.penetration_mm, run.jump_n,
                          run.peak_slew_n_ms, run.lowest_mj, run.model_us));
         const std::string row = "fidelity " + r.name();
-        card.add(row, "rms_error_n", rms, 0.1, 0.005);
-        card.add(row, "penetration_mm", run.penetration_mm, 0.2, 0.005);
-        card.add(row, "hand_over_jump_n", run.jump_n, 0.25, 0.02);
+        card.add(row, "rms_error_n", rms, 0.1, 0.005, Worse::higher);
+        card.add(row, "penetration_mm", run.penetration_mm, 0.2, 0.005, Worse::higher);
+        card.add(row, "hand_over_jump_n", run.jump_n, 0.25, 0.02, Worse::higher);
         demands(card, row, run, def.limits);
     }
     card.text(format("  peak of the reference %.3f N", peak));
-    card.add("fidelity reference", "peak_n", peak, 0.02, 0.005);
+    card.add("fidelity reference", "peak_n", peak, 0.02, 0.005, Worse::either);
 }
 
 /// How stiff a coupling may be on a hard block.
@@ -136,8 +136,8 @@ void stiffness(Card& card, bool quick) {
         def.passivity = true;
         const double with = most_stable_stiffness(def);
         card.text(format("  %6.0f  %9.0f  %8.0f  %8.0f", r.simulation, r.haptic, without, with));
-        card.add("stiffness " + r.name(), "without_n_m", without, kGrid - 1 + 0.01, 1);
-        card.add("stiffness " + r.name(), "with_n_m", with, kGrid - 1 + 0.01, 1, ">= 0.8 of the device's limit", with >= 0.8 * def.limits.stiffness_n_m / kGrid);
+        card.add("stiffness " + r.name(), "without_n_m", without, kGrid - 1 + 0.01, 1, Worse::lower);
+        card.add("stiffness " + r.name(), "with_n_m", with, kGrid - 1 + 0.01, 1, Worse::lower, ">= 0.8 of the device's limit", with >= 0.8 * def.limits.stiffness_n_m / kGrid);
     }
 }
 
@@ -165,8 +165,8 @@ void devices(Card& card, bool quick) {
         const std::string row = "device " + std::string(d.name);
         demands(card, row + " tissue", soft, d);
         demands(card, row + " hard", hard, d);
-        card.add(row + " hard", "limit_cycle_um", hard.limit_cycle_um, 0.5, 20, "<= 60 um", hard.limit_cycle_um <= kCalm_um);
-        if (!quick) card.add(row + " hard", "stable_n_m", K, kGrid - 1 + 0.01, 1);
+        card.add(row + " hard", "limit_cycle_um", hard.limit_cycle_um, 0.5, 20, Worse::higher, "<= 60 um", hard.limit_cycle_um <= kCalm_um);
+        if (!quick) card.add(row + " hard", "stable_n_m", K, kGrid - 1 + 0.01, 1, Worse::lower);
     }
 }
 
@@ -199,18 +199,18 @@ void events(Card& card) {
         card.text(format("  %-16s  %14.3f  %16.4f  %13.1f  %15.4f  %18.3f", e.name, before, within, zero_ms, after, run.force_n.back().norm()));
         const std::string row = std::string("event ") + e.name;
         const double stated = run.stated_slew_n_ms * (1 + 1e-9);
-        card.add(row, "force_before_n", before, 0.05, 0.01);
-        card.add(row, "slew_within_n_ms", within, 0.25, 0.02, "<= what is stated; a pulled plug has no force", e.event == HapticEvent::unplug || within <= stated);
-        card.add(row, "slew_after_n_ms", after, 0.25, 0.02, "<= what is stated", after <= stated);
+        card.add(row, "force_before_n", before, 0.05, 0.01, Worse::either);
+        card.add(row, "slew_within_n_ms", within, 0.25, 0.02, Worse::higher, "<= what is stated; a pulled plug has no force", e.event == HapticEvent::unplug || within <= stated);
+        card.add(row, "slew_after_n_ms", after, 0.25, 0.02, Worse::higher, "<= what is stated", after <= stated);
         if (e.event == HapticEvent::grab_and_release) {
             const double pull = run.force_at(def.event_end_s - 0.002);
             card.text(format("    pulls with %.3f N before it is let go", pull));
-            card.add(row, "pull_n", pull, 0.05, 0.01, "> 0.1 N", pull > 0.1);
+            card.add(row, "pull_n", pull, 0.05, 0.01, Worse::either, "> 0.1 N", pull > 0.1);
         }
-        card.add(row, "force_at_end_n", run.force_n.back().norm(), 0.05, 0.01);
-        if (e.event == HapticEvent::stall) card.add(row, "zero_after_ms", zero_ms, 0, 17, "<= 100 ms", zero_ms > 0 && zero_ms <= 100);
-        if (e.event == HapticEvent::bad_reading) card.add(row, "zero_after_ms", zero_ms, 0, 2, "<= 100 ms", zero_ms > 0 && zero_ms <= 100);
-        card.add(row, "finite", run.finite ? 1 : 0, 0, 0, "yes", run.finite);
+        card.add(row, "force_at_end_n", run.force_n.back().norm(), 0.05, 0.01, Worse::either);
+        if (e.event == HapticEvent::stall) card.add(row, "zero_after_ms", zero_ms, 0, 17, Worse::higher, "<= 100 ms", zero_ms > 0 && zero_ms <= 100);
+        if (e.event == HapticEvent::bad_reading) card.add(row, "zero_after_ms", zero_ms, 0, 2, Worse::higher, "<= 100 ms", zero_ms > 0 && zero_ms <= 100);
+        card.add(row, "finite", run.finite ? 1 : 0, 0, 0, Worse::either, "yes", run.finite);
     }
 }
 
@@ -252,7 +252,9 @@ std::vector<std::string> differences(const std::vector<ScoreLine>& lines, const 
             continue;
         }
         const auto [value, tolerance] = at->second;
-        if (!(std::abs(l.value - value) <= tolerance)) found.push_back(l.name + format(" is %.6g, was %.6g, may differ by %.2g", l.value, value, tolerance));
+        const double change = l.value - value, loss = l.worse == Worse::higher ? change : l.worse == Worse::lower ? -change : std::abs(change);
+        const char* may = l.worse == Worse::higher ? "rise" : l.worse == Worse::lower ? "fall" : "differ";
+        if (!(loss <= tolerance)) found.push_back(l.name + format(" is %.6g, was %.6g, may %s by %.2g", l.value, value, may, tolerance));
         known.erase(at);
     }
     for (const auto& [name, value] : known) found.push_back(name + " was not measured");

@@ -6,11 +6,15 @@
 
 namespace supple::demos {
 
+/// Which change of a number is for the worse. Errors, blows and energy that comes from nowhere may become less without anybody's complaint.
+enum class Worse { either, higher, lower };
+
 /// A number of the scorecard, with how far it may be from one machine's instruction set to another's.
 struct ScoreLine {
     std::string name;      ///< "fidelity sim=60 haptic=1000 rms_error_n"
     double value = 0;
     double tolerance = 0;  ///< absolute
+    Worse worse = Worse::either;
     bool good = true;      ///< of what must hold whatever the rest
     std::string demand{};  ///< what must hold; empty: nothing
 };
@@ -21,7 +25,7 @@ std::vector<ScoreLine> haptic_scorecard(bool quick, FunctionRef<void(const std::
 
 /// One line "name = value +- tolerance" each.
 std::string regression_text(const std::vector<ScoreLine>& lines);
-/// Sentences about what differs from a regression file: values beyond its tolerance, missing and unknown names. @error Error(parse / file_unreadable)
+/// Sentences about what differs from a regression file for the worse: values beyond its tolerance, missing and unknown names. @error Error(parse / file_unreadable)
 std::vector<std::string> differences(const std::vector<ScoreLine>& lines, const std::string& file);
 std::string json_of(const std::vector<ScoreLine>& lines);
 

@@ -205,7 +205,7 @@ std::unique_ptr<Body> make_body(const BodyDef& def, const WorldDef& world, std::
     s.frozen.assign(1, 0);
     s.hierarchy_x = data.mesh.vertices;
     s.next_x = s.hierarchy_x;
-    s.hierarchy_held.assign(n, 0);
+    s.hierarchy_held = held_bits(*body);
     s.next_held = s.hierarchy_held;
     s.solver.assign(kMemoryCount, 0);
     body->start = s;

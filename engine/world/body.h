@@ -155,7 +155,6 @@ struct Body {
     PreparedLoads loads;
     std::vector<std::int32_t> held_rows;    ///< matrix rows with a held coordinate of their own or of a neighbour
     bool supports_changed = true;           ///< what depends on them must be made anew
-    bool supports_edited = true;            ///< and the preconditioner with them
     bool preconditioner_fits = false;  ///< the frozen one was built from state.hierarchy_x and state.hierarchy_held
 
     BodyState state, start;

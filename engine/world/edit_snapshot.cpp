@@ -36,7 +36,6 @@ std::unique_ptr<Body> origin_of(const Body& body, const WorldDef& world, Isa isa
     made->loads = model.loads;
     made->start = made->state;
     made->supports_changed = true;
-    made->supports_edited = false;
     return made;
 }
 

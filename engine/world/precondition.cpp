@@ -103,7 +103,7 @@ void build_now(StepContext& ctx, Body& body, System<Real>& system) {
 /// Asks for a hierarchy of the body as it stands. The one at work goes on meanwhile.
 void ask_for_next(Body& body) {
     std::vector<std::int32_t>& m = body.state.solver;
-    if (m[kMemoryPending] > 0) {
+    if (m[kMemoryPending] > 0 && m[kMemoryPending] < kStepsToBuild) {  // it has begun
         m[kMemoryAgain] = 1;
         return;
     }
@@ -366,13 +366,12 @@ void drop_preconditioner(Body& body) {
 }
 
 void supports_have_changed(Body& body) {
-    const bool stands_in = body.state.solver[kMemoryFallback] != 0;
-    if ((body.preconditioner_fits || stands_in) && kind_at_work(body) == PreconditionerKind::lattice_multigrid) {
-        if (!stands_in) with_system(body, [&](auto& system) { system.multigrid->hold(held_bits(body)); });
+    // By the state alone, whether or not the hierarchy has been built here yet: a continued run decides alike.
+    if (kind_at_work(body) == PreconditionerKind::lattice_multigrid) {
+        if (body.preconditioner_fits) with_system(body, [&](auto& system) { system.multigrid->hold(held_bits(body)); });
         ask_for_next(body);
         return;
     }
-    // Nothing is at work that could go on.
     drop_preconditioner(body);
     body.state.hierarchy_held = held_bits(body);
     body.state.solver[kMemoryPending] = body.state.solver[kMemoryAgain] = 0;

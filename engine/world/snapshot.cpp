@@ -245,7 +245,6 @@ void World::restore(std::span<const std::byte> snapshot) {
         restart_preconditioner(body, states[i]);
         std::swap(body.state, states[i]);
         body.supports_changed = true;
-        body.supports_edited = false;  // the snapshot says what its preconditioner was built from
         body.stress.valid = false;
     }
     w.drags = std::move(drags);
@@ -273,7 +272,8 @@ void World::reset() {
         Body& body = *w.slots[slot].body;
         drop_preconditioner(body);
         body.state = body.start;
-        body.supports_changed = body.supports_edited = true;
+        body.supports_changed = true;
+        supports_have_changed(body);
         body.stress.valid = false;
     }
 }

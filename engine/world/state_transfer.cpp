@@ -132,7 +132,6 @@ std::unique_ptr<Body> make_edited(const Body& from, const MeshEdit& edit, const 
     transfer(from.start, from.layout(), delta, body->layout(), body->start);
     begin_after_edit(*body, from.state.solver);
     body->supports_changed = true;
-    body->supports_edited = false;  // the hierarchy that was asked for holds what is held
     return body;
 }
 

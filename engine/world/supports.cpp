@@ -13,7 +13,8 @@ void own(Body& body, const std::vector<std::int32_t>& vertices, Axes axes, std::
             if (axis[c]) body.owner[std::size_t(v) * 3 + c] = owner;
         }
     }
-    body.supports_changed = body.supports_edited = true;
+    body.supports_changed = true;
+    supports_have_changed(body);
 }
 
 }  // namespace
@@ -67,8 +68,6 @@ void refresh_supports(World::Impl& world, BodyId id, Body& body) {
         }
     }
     body.supports_changed = false;
-    if (body.supports_edited) supports_have_changed(body);
-    body.supports_edited = false;
 }
 
 }  // namespace supple

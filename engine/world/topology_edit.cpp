@@ -222,7 +222,6 @@ bool World::undo_edit(BodyId id) {
     body->start = step.start;
     begin_after_edit(*body, step.state.solver);
     body->supports_changed = true;
-    body->supports_edited = false;
     auto edits = std::make_unique<BodyEdits>();
     edits->origin = from.edits->origin;
     edits->identity = step.identity;
