@@ -211,7 +211,7 @@ std::vector<Vec3> multiply(const solve::Bsr3Pattern& p, const std::vector<Real>&
     for (std::size_t row = 0; row < p.rows; ++row)
         for (std::int32_t b = p.row_start[row]; b < p.row_start[row + 1]; ++b)
             for (int j = 0; j < 3; ++j)
-                for (int i = 0; i < 3; ++i) y[row][i] += double(value[std::size_t(b) * 12 + std::size_t(4 * j + i)]) * x[std::size_t(p.column[std::size_t(b)])][j];
+                for (int i = 0; i < 3; ++i) y[std::size_t(p.vertex[row])][i] += double(value[std::size_t(b) * 12 + std::size_t(4 * j + i)]) * x[std::size_t(p.vertex[std::size_t(p.column[std::size_t(b)])])][j];
     return y;
 }
 

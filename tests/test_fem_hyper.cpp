@@ -90,9 +90,9 @@ std::vector<Vec3> multiply(const solve::Bsr3Pattern& pattern, const AlignedVecto
     std::vector<Vec3> y(d.size(), Vec3::Zero());
     for (std::size_t row = 0; row < d.size(); ++row) {
         for (std::int32_t b = pattern.row_start[row]; b < pattern.row_start[row + 1]; ++b) {
-            const Vec3& v = d[std::size_t(pattern.column[std::size_t(b)])];
+            const Vec3& v = d[std::size_t(pattern.vertex[std::size_t(pattern.column[std::size_t(b)])])];
             for (Eigen::Index c = 0; c < 3; ++c)
-                for (Eigen::Index i = 0; i < 3; ++i) y[row][i] += matrix[std::size_t(b) * 12 + std::size_t(4 * c + i)] * v[c];
+                for (Eigen::Index i = 0; i < 3; ++i) y[std::size_t(pattern.vertex[row])][i] += matrix[std::size_t(b) * 12 + std::size_t(4 * c + i)] * v[c];
         }
     }
     return y;

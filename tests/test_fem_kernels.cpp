@@ -30,6 +30,8 @@ double relative_difference(const A& a, const B& b) {
 struct Deformed {
     std::shared_ptr<const BodyTemplate> shape = test::irregular_cube(3, 0.2, 40);
     std::vector<Vec3> x = shape->mesh().vertices;
+    solve::Bsr3Pattern pattern = solve::make_pattern(x.size(), shape->mesh().tets);  // and elements in the order of the mesh
+    solve::GatherMap pairs = solve::make_gather_map(pattern, solve::Fours(shape->mesh().tets));
     explicit Deformed(double amount) {
         Random random(41);
         const Mat3 Q = random.rotation();
@@ -156,34 +158,33 @@ TEST(FemKernels, ProductOfEveryInstructionSetAgreesWithScalar) {
 template <class Real>
 AlignedVector<Real> assembled(Isa isa, const Deformed& body, const Elements& e, const AlignedVector<Real>& record, double scale,
                               const std::vector<double>& shift) {
-    const TemplateData& data = body.shape->data();
-    std::vector<double> laplacian(data.pattern.blocks(), 0.0);
-    for (std::size_t b = 0; b < data.pattern.blocks(); ++b)
-        for (std::int64_t i = data.gather[0].start[b]; i < data.gather[0].start[b + 1]; ++i)
-            laplacian[b] += fem::laplacian_entry(e.rest, e.moduli, data.gather[0].pair[std::size_t(i)]);
-    AlignedVector<Real> value(data.pattern.blocks() * 12, Real(-1));
+    std::vector<double> laplacian(body.pattern.blocks(), 0.0);
+    for (std::size_t b = 0; b < body.pattern.blocks(); ++b)
+        for (std::int64_t i = body.pairs.start[b]; i < body.pairs.start[b + 1]; ++i)
+            laplacian[b] += fem::laplacian_entry(e.rest, e.moduli, body.pairs.pair[std::size_t(i)]);
+    AlignedVector<Real> value(body.pattern.blocks() * 12, Real(-1));
     fem::Tet4Assembly<Real> pass;
-    pass.row_start = data.pattern.row_start.data();
-    pass.column = data.pattern.column.data();
-    pass.mirror = data.pattern.mirror.data();
-    pass.contribution_start = data.gather[0].start.data();
-    pass.contribution = data.gather[0].pair.data();
+    pass.row_start = body.pattern.row_start.data();
+    pass.column = body.pattern.column.data();
+    pass.mirror = body.pattern.mirror.data();
+    pass.contribution_start = body.pairs.start.data();
+    pass.contribution = body.pairs.pair.data();
     pass.record = record.data();
     pass.laplacian = laplacian.data();
     pass.diagonal_shift = shift.data();
     pass.stiffness_scale = scale;
     pass.value = value.data();
     if constexpr (sizeof(Real) == 4) {
-        fem::tet4_kernels(isa).assemble_f(pass, 0, data.pattern.rows);
+        fem::tet4_kernels(isa).assemble_f(pass, 0, body.pattern.rows);
     } else {
-        fem::tet4_kernels(isa).assemble_d(pass, 0, data.pattern.rows);
+        fem::tet4_kernels(isa).assemble_d(pass, 0, body.pattern.rows);
     }
     return value;
 }
 
 TEST(FemKernels, AssembledMatrixEqualsTheMatrixFreeProduct) {
     const Deformed body(0.05);
-    const solve::Bsr3Pattern& pattern = body.shape->data().pattern;
+    const solve::Bsr3Pattern& pattern = body.pattern;
     Elements e(body.mesh().vertices, body.mesh().tets, kLame);
     e.run(Isa::scalar, body.x);
     Random random(43);

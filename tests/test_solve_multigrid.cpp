@@ -138,7 +138,7 @@ TEST(SolveMultigrid, AppendedRowsReachTheCoarseLevel) {
     ElasticProblem<float> problem(test::irregular_cube(12, 0.2, 13), {.young_pa = 1e5}, clamp_low_x);
     std::vector<std::int32_t> rows;
     for (std::size_t i = 0; i < problem.rows(); ++i) {
-        const Vec3& X = problem.shape->mesh().vertices[i];
+        const Vec3& X = problem.points[i];
         if (X.x() > 1 - 1e-9 && X.y() > 0.3 && X.z() > 0.3) rows.push_back(std::int32_t(i));
     }
     ASSERT_GE(rows.size(), 20u);

@@ -77,5 +77,26 @@ TEST(SolvePattern, GatherMapSumsWhatDenseAssemblyScatters) {
     EXPECT_EQ(used, tets.size() * 10);
 }
 
+TEST(SolvePattern, RowsLieInTheOrderThatIsAskedFor) {
+    const auto shape = test::irregular_cube(3, 0.2, 53);
+    const auto& tets = shape->mesh().tets;
+    const std::size_t n = shape->mesh().vertices.size();
+    std::vector<std::int32_t> order(n);
+    for (std::size_t i = 0; i < n; ++i) order[i] = std::int32_t((i * 11 + 5) % n);  // 64 vertices
+    const solve::Bsr3Pattern given = solve::make_pattern(n, tets), p = solve::make_pattern(n, tets, {}, order);
+    EXPECT_EQ(p.vertex, order);
+    for (std::size_t i = 0; i < n; ++i) {
+        EXPECT_EQ(p.row[std::size_t(p.vertex[i])], std::int32_t(i));
+        EXPECT_EQ(given.vertex[i], std::int32_t(i));
+        const std::vector<std::int32_t> row(p.column.begin() + p.row_start[i], p.column.begin() + p.row_start[i + 1]);
+        EXPECT_TRUE(std::is_sorted(row.begin(), row.end()));
+        std::set<std::int32_t> vertices, expected;
+        for (const std::int32_t c : row) vertices.insert(p.vertex[std::size_t(c)]);
+        const auto v = std::size_t(p.vertex[i]);
+        expected.insert(given.column.begin() + given.row_start[v], given.column.begin() + given.row_start[v + 1]);
+        EXPECT_EQ(vertices, expected);
+    }
+}
+
 }  // namespace
 }  // namespace supple

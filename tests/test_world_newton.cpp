@@ -211,7 +211,7 @@ struct PressureStiffness {
         for (std::size_t row = 0; row < x.size(); ++row)
             for (std::int32_t b = pattern.row_start[row]; b < pattern.row_start[row + 1]; ++b)
                 for (int c = 0; c < 3; ++c)
-                    for (int i = 0; i < 3; ++i) out[row][i] += value[std::size_t(b) * 12 + std::size_t(4 * c + i)] * d[std::size_t(pattern.column[std::size_t(b)])][c];
+                    for (int i = 0; i < 3; ++i) out[std::size_t(pattern.vertex[row])][i] += value[std::size_t(b) * 12 + std::size_t(4 * c + i)] * d[std::size_t(pattern.vertex[std::size_t(pattern.column[std::size_t(b)])])][c];
         return out;
     }
 };

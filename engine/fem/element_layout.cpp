@@ -28,6 +28,19 @@ void add_groups(ElementKind kind, std::size_t first, std::size_t last, std::span
     }
 }
 
+/// Elements by the first of their corners, those with the same one in the order of the mesh.
+void sort_by_place(const VolumeMesh& mesh, std::span<const std::int32_t> place, std::vector<std::int32_t>& elements) {
+    std::vector<std::pair<std::int32_t, std::int32_t>> keyed;
+    keyed.reserve(elements.size());
+    for (const std::int32_t e : elements) {
+        std::int32_t first = INT32_MAX;
+        for (const std::int32_t v : element_vertices(mesh, std::size_t(e))) first = std::min(first, place[std::size_t(v)]);
+        keyed.emplace_back(first, e);
+    }
+    std::sort(keyed.begin(), keyed.end());
+    for (std::size_t i = 0; i < elements.size(); ++i) elements[i] = keyed[i].second;
+}
+
 void fill_rest(const VolumeMesh& mesh, ElementGroup& group) {
     if (group.kind == ElementKind::tet) {
         std::vector<Tet> tets;
@@ -72,7 +85,7 @@ PlaceMap make_places(const VolumeMesh& mesh, const ElementLayout& layout) {
 
 }  // namespace
 
-ElementLayout make_layout(const VolumeMesh& mesh, std::span<const std::int32_t> family) {
+ElementLayout make_layout(const VolumeMesh& mesh, std::span<const std::int32_t> family, std::span<const std::int32_t> place) {
     ElementLayout layout;
     layout.elements = mesh.element_count();
     layout.vertices = mesh.vertices.size();
@@ -81,6 +94,7 @@ ElementLayout make_layout(const VolumeMesh& mesh, std::span<const std::int32_t> 
     layout.slot.resize(layout.elements);
     layout.volume.resize(layout.elements);
     for (ElementGroup& group : layout.groups) {
+        if (!place.empty()) sort_by_place(mesh, place, group.element);
         fill_rest(mesh, group);
         group.first_block = layout.blocks;
         group.first_place = layout.places;

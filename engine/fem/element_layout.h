@@ -17,7 +17,7 @@ enum class ElementKind { tet, hex };
 struct ElementGroup {
     ElementKind kind = ElementKind::tet;
     std::int32_t family = 0;
-    std::vector<std::int32_t> element;  ///< numbers in the mesh (tets first, then hexes), ascending
+    std::vector<std::int32_t> element;  ///< numbers in the mesh (tets first, then hexes), in the order of their blocks and lanes
     Tet4Rest tets;                      ///< rest shapes of the group's kind; the other is empty
     Hex8Rest hexes;
     std::size_t first_block = 0;        ///< where its blocks begin in the arrays of the body
@@ -27,8 +27,8 @@ struct ElementGroup {
     std::size_t blocks() const { return (element.size() + kBlock - 1) / kBlock; }
 };
 
-/// How the numbers of a body's elements lie in its arrays: group after group, each in blocks of eight. A body of tets of one law is one group in the
-/// order of its mesh.
+/// How the numbers of a body's elements lie in its arrays: group after group, each in blocks of eight, neighbours near one another. A body of tets of one law
+/// is one group.
 struct ElementLayout {
     std::vector<ElementGroup> groups;
     std::size_t elements = 0, vertices = 0;
@@ -41,8 +41,9 @@ struct ElementLayout {
 };
 
 /// @param family  of each element; empty: all the same
+/// @param place   [vertex] in an order that keeps neighbours together: elements lie by the first of their corners there; empty: in the order of the mesh
 /// @param mesh    checked (check_and_repair); @error Error(invalid_argument) for a hexahedron that is folded at an integration point
-ElementLayout make_layout(const VolumeMesh& mesh, std::span<const std::int32_t> family = {});
+ElementLayout make_layout(const VolumeMesh& mesh, std::span<const std::int32_t> family = {}, std::span<const std::int32_t> place = {});
 
 /// Volume of an element that each of its corners carries: a quarter of a tet, the integral of the shape function in a hex [m^3]. They sum to its volume.
 /// @param share  out, 4 or 8 numbers. Returns how many.

@@ -1,6 +1,7 @@
 #include "supple/solve/bsr3.h"
 
 #include <algorithm>
+#include <numeric>
 
 #include "supple/base/assert.h"
 
@@ -15,23 +16,22 @@ std::size_t find_block(const Bsr3Pattern& p, std::int32_t row, std::int32_t colu
     return std::size_t(at - p.column.begin());
 }
 
-/// The elements around each row.
+/// The elements around each vertex.
 template <class Elements>
 struct Around {
-    Around(std::size_t rows, Elements given) : elements(given), start(rows + 1, 0) {
+    Around(std::size_t vertices, Elements given) : elements(given), start(vertices + 1, 0) {
         for (const auto& element : elements)
             for (const std::int32_t v : element) ++start[std::size_t(v) + 1];
-        for (std::size_t i = 0; i < rows; ++i) start[i + 1] += start[i];
+        for (std::size_t i = 0; i < vertices; ++i) start[i + 1] += start[i];
         around.resize(std::size_t(start.back()));
         std::vector<std::int64_t> next(start.begin(), start.end() - 1);
         for (std::size_t e = 0; e < elements.size(); ++e)
             for (const std::int32_t v : elements[e]) around[std::size_t(next[std::size_t(v)]++)] = std::uint32_t(e);
     }
-    /// Appends the vertices of the elements around a row.
-    void append(std::size_t row, std::vector<std::int32_t>& out) const {
-        for (std::int64_t k = start[row]; k < start[row + 1]; ++k) {
-            const auto& element = elements[around[std::size_t(k)]];
-            out.insert(out.end(), element.begin(), element.end());
+    /// Appends the rows of the vertices of the elements around a vertex.
+    void append(std::size_t vertex, const std::vector<std::int32_t>& row_of, std::vector<std::int32_t>& out) const {
+        for (std::int64_t k = start[vertex]; k < start[vertex + 1]; ++k) {
+            for (const std::int32_t v : elements[around[std::size_t(k)]]) out.push_back(row_of[std::size_t(v)]);
         }
     }
     Elements elements;
@@ -47,7 +47,7 @@ GatherMap gather_map(const Bsr3Pattern& pattern, std::span<const std::array<std:
     for (std::size_t e = 0; e < elements.size(); ++e) {
         for (std::size_t a = 0; a < corners; ++a) {
             for (std::size_t b = 0; b < corners; ++b) {
-                const std::int32_t row = elements[e][a], column = elements[e][b];
+                const std::int32_t row = pattern.row[std::size_t(elements[e][a])], column = pattern.row[std::size_t(elements[e][b])];
                 if (column < row) continue;
                 const std::size_t block = find_block(pattern, row, column);
                 block_of_pair[(e * corners + a) * corners + b] = std::int32_t(block);
@@ -66,20 +66,29 @@ GatherMap gather_map(const Bsr3Pattern& pattern, std::span<const std::array<std:
 
 }  // namespace
 
-Bsr3Pattern make_pattern(std::size_t rows, Fours fours, Eights eights) {
-    // A row is the sorted union of the vertices of the elements around it.
+Bsr3Pattern make_pattern(std::size_t vertices, Fours fours, Eights eights, std::span<const std::int32_t> order) {
+    // A row is the sorted union of those of the vertices of the elements around it.
+    const std::size_t rows = vertices;
     const Around<Fours> around_fours(rows, fours);
     const Around<Eights> around_eights(rows, eights);
     Bsr3Pattern p;
     p.rows = rows;
+    p.vertex.assign(order.begin(), order.end());
+    if (order.empty()) {
+        p.vertex.resize(rows);
+        std::iota(p.vertex.begin(), p.vertex.end(), 0);
+    }
+    SUPPLE_ASSERT(p.vertex.size() == rows);
+    p.row.resize(rows);
+    for (std::size_t i = 0; i < rows; ++i) p.row[std::size_t(p.vertex[i])] = std::int32_t(i);
     p.row_start.reserve(rows + 1);
     p.row_start.push_back(0);
     p.diagonal.resize(rows);
     std::vector<std::int32_t> row;
     for (std::size_t i = 0; i < rows; ++i) {
         row.assign(1, std::int32_t(i));
-        around_fours.append(i, row);
-        around_eights.append(i, row);
+        around_fours.append(std::size_t(p.vertex[i]), p.row, row);
+        around_eights.append(std::size_t(p.vertex[i]), p.row, row);
         std::sort(row.begin(), row.end());
         row.erase(std::unique(row.begin(), row.end()), row.end());
         const auto diagonal = std::lower_bound(row.begin(), row.end(), std::int32_t(i));

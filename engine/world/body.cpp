@@ -72,7 +72,7 @@ Matter make_matter(const TemplateData& data, const fem::ElementMaterials& materi
     const std::vector<std::int32_t> family = materials.families(data.layout.elements);
     if (!one_family_per_kind(data.layout, family)) {
         GroupedLayout own;
-        own.layout = fem::make_layout(data.mesh, family);
+        own.layout = fem::make_layout(data.mesh, family, data.pattern.row);
         own.gather = make_gather_maps(data.mesh, data.pattern, own.layout);
         matter.layout = std::make_unique<const GroupedLayout>(std::move(own));
     }

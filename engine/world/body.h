@@ -66,14 +66,14 @@ class ElementCoupling final : public solve::Coupling<Real> {
 public:
     explicit ElementCoupling(Body& body);
     double multiply_add(Team& team, const Real* x, Real* y) override;
-    /// Diagonal blocks for the preconditioner, scaled; identity rows stay.
+    /// Diagonal blocks for the preconditioner [row], scaled; identity rows stay.
     std::span<const Mat3> update_diagonal(Team& team, double scale);
 
 private:
     Body& body_;
     double scale_ = 0;
-    AlignedVector<Real> product_;
-    std::vector<Mat3> diagonal_;
+    AlignedVector<Real> field_, product_;  ///< [vertex]
+    std::vector<Mat3> diagonal_, diagonal_by_row_;
     std::vector<double> partial_;
 };
 
@@ -108,10 +108,10 @@ struct Workspace {
     std::vector<Vec3> b, rhs, free_rhs;  ///< right-hand side; with drag springs; with held coordinates zeroed
     std::vector<Vec3> dv, residual, product;
     std::vector<Vec3> bare;           ///< b - A dv of the body itself: without drag springs and contacts
-    std::vector<solve::AppendedRow> own_rows;  ///< in an island of several: the body's part of the rows beside the matrices, in its own vertices, for its preconditioner
+    std::vector<solve::AppendedRow> own_rows;  ///< in an island of several: the body's part of the rows beside the matrices, in its own matrix, for its preconditioner
     std::size_t place = 0;            ///< of the body among those of the step
     std::size_t first_row = 0;        ///< of its vertices in the system of its island
-    std::vector<double> diagonal;     ///< mass part of the matrix
+    std::vector<double> diagonal;     ///< [row] mass part of the matrix
     std::vector<double> partial;
 };
 
@@ -171,6 +171,7 @@ struct Body {
     const fem::ElementLayout& layout() const { return own_layout ? own_layout->layout : data().layout; }
     std::size_t element_count() const { return layout().elements; }
     std::size_t vertices() const { return mass.size(); }
+    std::int32_t row_of(std::int32_t vertex) const { return data().pattern.row[std::size_t(vertex)]; }  ///< in its matrix
     bool is_held(std::size_t vertex, std::size_t axis) const { return owner[vertex * 3 + axis] != kFree; }
     bool frozen() const { return state.frozen[0] != 0; }
 };
@@ -183,7 +184,7 @@ struct Drag {
     std::vector<std::int32_t> vertex;
     std::vector<double> weight;    ///< sums to one
     std::vector<Vec3> masked;      ///< weight per coordinate, zero where held; rebuilt with the supports
-    std::vector<std::int32_t> row; ///< in the system of an island of several members
+    std::vector<std::int32_t> row, own_row;  ///< in the system of the island, in the matrix of the body
     Vec3 offset = Vec3::Zero();    ///< from the weighted mean to the picked point
     Vec3 target = Vec3::Zero();
     Vec3 force = Vec3::Zero();

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "supple/base/error.h"
+#include "supple/mesh/locality.h"
 #include "supple/world/template_data.h"
 
 namespace supple {
@@ -56,8 +57,8 @@ std::shared_ptr<const BodyTemplate> BodyTemplate::build(VolumeMesh mesh, double 
     for (const Triangle& t : data->boundary.triangles) data->boundary_vertices.insert(data->boundary_vertices.end(), t.begin(), t.end());
     std::sort(data->boundary_vertices.begin(), data->boundary_vertices.end());
     data->boundary_vertices.erase(std::unique(data->boundary_vertices.begin(), data->boundary_vertices.end()), data->boundary_vertices.end());
-    data->layout = fem::make_layout(m);
-    data->pattern = solve::make_pattern(m.vertices.size(), m.tets, m.hexes);
+    data->pattern = solve::make_pattern(m.vertices.size(), m.tets, m.hexes, locality_order(m.vertices));
+    data->layout = fem::make_layout(m, {}, data->pattern.row);
     data->gather = make_gather_maps(m, data->pattern, data->layout);
     return std::shared_ptr<const BodyTemplate>(new BodyTemplate(std::move(data)));
 }

@@ -143,21 +143,22 @@ namespace {
 /// The row of a contact in the island's system, and its parts in those of the members.
 void append_row(StepContext& ctx, const Island& island, Body& body, Contact& c) {
     const Mat3 K = body.work.h * body.work.h * c.K;
-    const std::span<const std::int32_t> vertex(c.vertex.data(), c.vertices());
     const std::span<const Vec3> weight(c.masked.data(), c.vertices());
-    if (island.alone()) {
-        ctx.world.appended.push_back({vertex, weight, K});
-        return;
-    }
     Body& other = c.other != nullptr ? *c.other : body;
-    for (std::size_t k = 0; k < c.vertices(); ++k) c.row[k] = c.vertex[k] + std::int32_t((k < c.corners ? body : other).work.first_row);
+    for (std::size_t k = 0; k < c.vertices(); ++k) {
+        const Body& owner = k < c.corners ? body : other;
+        c.own_row[k] = owner.row_of(c.vertex[k]);
+        c.row[k] = c.own_row[k] + std::int32_t(owner.work.first_row);
+    }
+    const std::span<const std::int32_t> row(c.own_row.data(), c.vertices());
     ctx.world.appended.push_back({{c.row.data(), c.vertices()}, weight, K});
+    if (island.alone()) return;
     if (&other == &body) {
-        body.work.own_rows.push_back({vertex, weight, K});
+        body.work.own_rows.push_back({row, weight, K});
         return;
     }
-    body.work.own_rows.push_back({vertex.first(c.corners), weight.first(c.corners), K});
-    other.work.own_rows.push_back({vertex.subspan(c.corners), weight.subspan(c.corners), K});
+    body.work.own_rows.push_back({row.first(c.corners), weight.first(c.corners), K});
+    other.work.own_rows.push_back({row.subspan(c.corners), weight.subspan(c.corners), K});
 }
 
 }  // namespace
@@ -183,7 +184,7 @@ void append_contacts(StepContext& ctx, Island& island) {
             collider.A += hc * hc * J.transpose() * KJ;
             collider.b -= hc * J.transpose() * c.force(Vec3::Zero());
             for (std::size_t k = 0; k < c.corners; ++k) {
-                collider.row.push_back(c.vertex[k] + std::int32_t(member.body->work.first_row));
+                collider.row.push_back(c.row[k]);
                 collider.dv.push_back(&member.body->work.dv[std::size_t(c.vertex[k])]);
                 collider.block.push_back(hs * hc * c.masked[k].asDiagonal() * KJ);
             }

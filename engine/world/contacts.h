@@ -44,7 +44,8 @@ struct Contact {
     std::array<std::int32_t, kMost> vertex{-1, -1, -1, -1, -1, -1, -1, -1};  ///< `corners` of the body, then `others` of the other
     std::array<double, kMost> weight{};  ///< of the others negative: s is the sum over both
     std::array<Vec3, kMost> masked{}; ///< per coordinate, zero where held; of the others times their h' over the body's
-    std::array<std::int32_t, kMost> row{};  ///< in the system of the island
+    std::array<std::int32_t, kMost> row{};      ///< in the system of the island
+    std::array<std::int32_t, kMost> own_row{};  ///< in the matrix of the vertex's body
     std::uint32_t corners = 0, others = 0;
     std::int32_t triangle = -1, other_triangle = -1;
     Vec3 normal = Vec3::Zero();       ///< out of the collider or the other body

@@ -39,6 +39,7 @@ struct World::Impl {
     std::size_t living_islands = 0;
     DisjointSets together;                     ///< scratch of form_islands(), as is
     std::vector<std::size_t> first_at_collider;
+    RowFields rows;  ///< of the solve at work
     std::unique_ptr<JointSystem<float>> joint_single;   ///< made with the first island of several members
     std::unique_ptr<JointSystem<double>> joint_double;
 

@@ -198,7 +198,7 @@ void Inspector::add(SystemMatrix which, double factor, Eigen::Index row0, Eigen:
     const auto elements = make_body_elements(body, fem::MatrixPrecision::double_, solver.tangent, Isa::scalar, false);
     AlignedVector<double> quaternion = body.state.quaternion, value(pattern.blocks() * 12);
     std::vector<double> shift(body.vertices());
-    for (std::size_t v = 0; v < shift.size(); ++v) shift[v] = of_mass * body.mass[v];
+    for (std::size_t row = 0; row < shift.size(); ++row) shift[row] = of_mass * body.mass[std::size_t(pattern.vertex[row])];
     fem::ElementOutputs outputs;
     outputs.tangent = true;
     outputs.plastic = plastic_strain(body);
@@ -219,11 +219,12 @@ void Inspector::add(SystemMatrix which, double factor, Eigen::Index row0, Eigen:
         }
     }
     for (std::size_t row = 0; row < body.vertices(); ++row) {
+        const Eigen::Index vertex = pattern.vertex[row];
         for (Eigen::Index i = 0; i < 3; ++i) {
             for (std::int32_t b = pattern.row_start[row]; b < pattern.row_start[row + 1]; ++b) {
-                const auto column = Eigen::Index(pattern.column[std::size_t(b)]);
+                const Eigen::Index other = pattern.vertex[std::size_t(pattern.column[std::size_t(b)])];
                 for (Eigen::Index j = 0; j < 3; ++j) {
-                    sink(row0 + Eigen::Index(3 * row) + i, column0 + 3 * column + j, factor * value[std::size_t(b) * 12 + std::size_t(4 * j + i)]);
+                    sink(row0 + 3 * vertex + i, column0 + 3 * other + j, factor * value[std::size_t(b) * 12 + std::size_t(4 * j + i)]);
                 }
             }
         }

@@ -19,6 +19,14 @@ struct Island {
     bool alone() const { return members.size() == 1; }
 };
 
+/// What a linear solve is told and says, in the order of the rows: of an island, member by member.
+struct RowFields {
+    std::vector<Vec3> b, x, residual, guess[2];  ///< [row]
+    void resize(std::size_t rows) {
+        for (std::vector<Vec3>* field : {&b, &x, &residual, &guess[0], &guess[1]}) field->resize(rows);
+    }
+};
+
 /// The system of an island of several members. Each keeps its matrix and its preconditioner.
 template <class Real>
 struct JointSystem {
@@ -26,7 +34,6 @@ struct JointSystem {
 
     solve::LinearSolver<Real> solver;
     std::vector<solve::SystemPart<Real>> parts;
-    std::vector<Vec3> b, x, residual, guess[2];  ///< [row]
 };
 
 }  // namespace supple

@@ -18,6 +18,11 @@ constexpr int kTellingIterations = 4;          // fewer say nothing about a hier
 constexpr std::int32_t kStepsToBuild = 16;     // a hierarchy takes about five steps' time on a thread of its own, more where the cores are busy
 constexpr std::int32_t kBrokenSolves = 100;    // before a preconditioner that broke down gets another chance
 
+std::vector<std::uint8_t> held_by_row(const Body& body) {
+    const std::vector<std::uint8_t> held = held_bits(body);
+    return solve::by_row(body.data().pattern, std::span(held));
+}
+
 PreconditionerKind kind_at_work(const Body& body) { return PreconditionerKind(body.state.solver[kMemoryKind]); }
 
 /// System::preconditioner itself: block-Jacobi, or the factor.
@@ -29,7 +34,7 @@ void read_rotation(const Body& body, const AlignedVector<double>& quaternion, st
     for (std::size_t k = 0; k < 4; ++k) wxyz[k] = q[k * fem::kBlock];
 }
 
-/// Tangent of a configuration in system.A, with the coordinates in `held` left out. Uses the body's elements: before a step's evaluation.
+/// Tangent of a configuration in system.A, with the coordinates in `held` [row] left out. Uses the body's elements: before a step's evaluation.
 /// @return  rotations of its elements, [element][w x y z]
 template <class Real>
 std::vector<double> assemble_configuration(StepContext& ctx, Body& body, System<Real>& system, const std::vector<Vec3>& x, const std::vector<std::uint8_t>& held) {
@@ -42,10 +47,10 @@ std::vector<double> assemble_configuration(StepContext& ctx, Body& body, System<
     body.work.h = scheme_step(ctx.world.def);  // the same whenever it is built
     const double mass = mass_scale(ctx, body), stiffness = stiffness_scale(ctx, body);
     body.work.h = h;
-    std::vector<double> diagonal(body.vertices());
-    for (std::size_t i = 0; i < diagonal.size(); ++i) diagonal[i] = mass * body.mass[i];
-    body.elements->assemble(ctx.team, stiffness, diagonal, system.A.value.data());
     const solve::Bsr3Pattern& pattern = body.data().pattern;
+    std::vector<double> diagonal(pattern.rows);
+    for (std::size_t row = 0; row < pattern.rows; ++row) diagonal[row] = mass * body.mass[std::size_t(pattern.vertex[row])];
+    body.elements->assemble(ctx.team, stiffness, diagonal, system.A.value.data());
     for (std::size_t row = 0; row < pattern.rows; ++row) {
         for (std::int32_t block = pattern.row_start[row]; block < pattern.row_start[row + 1]; ++block) {
             const auto column = std::size_t(pattern.column[std::size_t(block)]);
@@ -63,14 +68,15 @@ std::vector<double> assemble_configuration(StepContext& ctx, Body& body, System<
 }
 
 template <class Real>
-HierarchyInputs<Real> hierarchy_inputs(StepContext& ctx, Body& body, System<Real>& system, const std::vector<Vec3>& x, const std::vector<std::uint8_t>& held) {
+HierarchyInputs<Real> hierarchy_inputs(StepContext& ctx, Body& body, System<Real>& system, const std::vector<Vec3>& x, const std::vector<std::uint8_t>& held_of_vertex) {
     HierarchyInputs<Real> in;
-    in.rotation = assemble_configuration(ctx, body, system, x, held);
-    in.held = held;
+    in.held = solve::by_row(body.data().pattern, std::span(held_of_vertex));
+    in.rotation = assemble_configuration(ctx, body, system, x, in.held);
     in.elements_near.assign(body.vertices(), {-1, -1, -1});
     for (std::size_t i = 0; i < in.elements_near.size(); ++i) {
         const fem::ElementMap& around = body.layout().around;
-        const std::int64_t first = around.start[i], last = around.start[i + 1];
+        const auto v = std::size_t(body.data().pattern.vertex[i]);
+        const std::int64_t first = around.start[v], last = around.start[v + 1];
         for (std::int64_t k = 0; k < 3 && first + k < last; ++k) {
             // Spread over the elements around the vertex, not three neighbours of one another.
             in.elements_near[i][std::size_t(k)] = around.element[std::size_t(first + k * (last - first) / 3)];
@@ -82,8 +88,9 @@ HierarchyInputs<Real> hierarchy_inputs(StepContext& ctx, Body& body, System<Real
 
 template <class Real>
 std::unique_ptr<solve::LatticeMultigrid<Real>> build_hierarchy(Team& team, const TemplateData& data, Isa isa, const HierarchyInputs<Real>& in, const solve::Bsr3<Real>& A) {
+    const std::vector<Vec3> points = solve::by_row(data.pattern, std::span(data.mesh.vertices));
     solve::LatticeDef def;
-    def.points = data.mesh.vertices;
+    def.points = points;
     def.held = in.held;
     def.rotation_of_row = in.elements_near;
     def.volume = in.volume;
@@ -97,7 +104,7 @@ template <class Real>
 void build_now(StepContext& ctx, Body& body, System<Real>& system) {
     const HierarchyInputs<Real> in = hierarchy_inputs(ctx, body, system, body.state.hierarchy_x, body.state.hierarchy_held);
     system.multigrid = build_hierarchy(ctx.team, body.data(), ctx.world.isa, in, system.A);
-    system.multigrid->hold(held_bits(body));
+    system.multigrid->hold(held_by_row(body));
 }
 
 /// Asks for a hierarchy of the body as it stands. The one at work goes on meanwhile.
@@ -139,7 +146,7 @@ void advance_next(StepContext& ctx, Body& body, System<Real>& system) {
     system.next.reset();
     std::swap(body.state.hierarchy_x, body.state.next_x);
     std::swap(body.state.hierarchy_held, body.state.next_held);
-    system.multigrid->hold(held_bits(body));
+    system.multigrid->hold(held_by_row(body));
     m[kMemoryBase] = m[kMemorySlow] = m[kMemoryFallback] = 0;
     if (m[kMemoryAgain] != 0) ask_for_next(body);
 }
@@ -147,9 +154,10 @@ void advance_next(StepContext& ctx, Body& body, System<Real>& system) {
 /// False if the matrix has no such factor.
 template <class Real>
 bool build_laplacian(StepContext& ctx, Body& body, System<Real>& system) {
-    assemble_configuration(ctx, body, system, body.state.hierarchy_x, held_bits(body));
+    const std::vector<std::uint8_t> held = held_by_row(body);
+    assemble_configuration(ctx, body, system, body.state.hierarchy_x, held);
     system.laplacian = std::make_unique<solve::ScalarLaplacian<Real>>(body.vertices());
-    return system.laplacian->build(system.A, held_bits(body));
+    return system.laplacian->build(system.A, held);
 }
 
 /// The first choice of `auto`: by size.
@@ -193,30 +201,74 @@ void note_multigrid(Body& body, const solve::LinearSolveResult& result, bool aut
     if (m[kMemoryPending] == 0) ask_for_next(body);
 }
 
+/// A vertex field of one member in the order of the rows of its island, and back.
+void to_rows(Team& team, const Body& body, const std::vector<Vec3>& field, std::vector<Vec3>& rows) {
+    const std::vector<std::int32_t>& vertex = body.data().pattern.vertex;
+    team.for_range(vertex.size(), solve::kRowChunk, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) rows[body.work.first_row + i] = field[std::size_t(vertex[i])];
+    });
+}
+void from_rows(Team& team, const Body& body, const std::vector<Vec3>& rows, std::vector<Vec3>& field) {
+    const std::vector<std::int32_t>& vertex = body.data().pattern.vertex;
+    team.for_range(vertex.size(), solve::kRowChunk, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) field[std::size_t(vertex[i])] = rows[body.work.first_row + i];
+    });
+}
+
+/// What all members want to know, laid out for the solver.
+struct RowExchange {
+    StepContext& ctx;
+    Island& island;
+    FunctionRef<void()> true_residual;
+    RowFields& rows = ctx.world.rows;
+
+    /// @param warm  the guesses of the last steps, too
+    void begin(bool warm) {
+        rows.resize(island.rows);
+        for (const Member& m : island.members) {
+            const Body& body = *m.body;
+            to_rows(ctx.team, body, body.work.free_rhs, rows.b);
+            to_rows(ctx.team, body, body.work.dv, rows.x);
+            if (!warm) continue;
+            to_rows(ctx.team, body, body.state.dv1, rows.guess[0]);
+            to_rows(ctx.team, body, body.state.dv2, rows.guess[1]);
+        }
+    }
+    /// work.residual for the solution so far.
+    void residual() {
+        for (const Member& m : island.members) from_rows(ctx.team, *m.body, rows.x, m.body->work.dv);
+        true_residual();
+        for (const Member& m : island.members) to_rows(ctx.team, *m.body, m.body->work.residual, rows.residual);
+    }
+    template <class Real>
+    solve::LinearSolveResult run(solve::LinearSolver<Real>& solver, std::span<const solve::SystemPart<Real>> parts, bool warm, const solve::LinearSolveDef& def) {
+        solver.set_eliminated(ctx.world.eliminated);
+        const std::span<const Vec3> guesses[2] = {rows.guess[0], rows.guess[1]};
+        return solver.solve(ctx.team, parts, ctx.world.appended, rows.b, std::span(guesses, warm ? 2 : 0), def, [&](const Vec3*, Vec3*) { residual(); }, rows.x, rows.residual);
+    }
+};
+
 /// The solves of one body alone.
 template <class Real>
 struct LoneSolve {
-    StepContext& ctx;
     Body& body;
     System<Real>& system;
-    FunctionRef<void()> true_residual;
+    RowExchange& exchange;
 
-    solve::LinearSolveResult run(solve::Preconditioner<Real>& preconditioner, std::span<const std::span<const Vec3>> guesses, const solve::LinearSolveDef& def) const {
-        preconditioner.update(ctx.team, system.A, ctx.world.appended);
-        system.solver.set_eliminated(ctx.world.eliminated);
+    solve::LinearSolveResult run(solve::Preconditioner<Real>& preconditioner, bool warm, const solve::LinearSolveDef& def) const {
+        preconditioner.update(exchange.ctx.team, system.A, exchange.ctx.world.appended);
         const solve::SystemPart<Real> part{&system.A, &preconditioner, system.coupling.get(), 0};
-        return system.solver.solve(ctx.team, {&part, 1}, ctx.world.appended, body.work.free_rhs, guesses, def, [&](const Vec3*, Vec3*) { true_residual(); },
-                                   body.work.dv, body.work.residual);
+        return exchange.run<Real>(system.solver, {&part, 1}, warm, def);
     }
 
     /// Goes on from where `done` stopped.
     void go_on(solve::Preconditioner<Real>& preconditioner, const solve::LinearSolveDef& def, solve::LinearSolveResult& done) const {
-        body.work.free_rhs = body.work.residual;
+        exchange.rows.b = exchange.rows.residual;
         solve::LinearSolveDef rest = def;
         rest.max_iterations = def.max_iterations - done.iterations;
         if (rest.max_iterations <= 0) return;
         const int before = done.iterations;
-        done = run(preconditioner, {}, rest);
+        done = run(preconditioner, false, rest);
         done.iterations += before;
     }
 };
@@ -230,14 +282,14 @@ void turn_lattice(StepContext& ctx, const Body& body, System<Real>& system) {
 }
 
 template <class Real>
-solve::LinearSolveResult solve_alone(StepContext& ctx, Body& body, System<Real>& system, std::span<const std::span<const Vec3>> guesses, const solve::LinearSolveDef& def,
-                                     bool remember, FunctionRef<void()> true_residual) {
+solve::LinearSolveResult solve_alone(RowExchange& exchange, Body& body, System<Real>& system, bool warm, const solve::LinearSolveDef& def, bool remember) {
+    StepContext& ctx = exchange.ctx;
     const bool automatic = ctx.world.def.solver.preconditioner == PreconditionerKind::automatic;
     std::vector<std::int32_t>& memory = body.state.solver;
-    const LoneSolve<Real> solve{ctx, body, system, true_residual};
+    const LoneSolve<Real> solve{body, system, exchange};
     solve::LinearSolveResult result;
     if (works_without_build(body)) {
-        result = solve.run(*system.preconditioner, guesses, def);
+        result = solve.run(*system.preconditioner, warm, def);
         if (memory[kMemoryBroken] > 0) {
             --memory[kMemoryBroken];
         } else if (remember && automatic && kind_at_work(body) == PreconditionerKind::block_jacobi) {
@@ -248,11 +300,11 @@ solve::LinearSolveResult solve_alone(StepContext& ctx, Body& body, System<Real>&
     const bool lattice = kind_at_work(body) == PreconditionerKind::lattice_multigrid;
     if (lattice) turn_lattice(ctx, body, system);
     if (!lattice) {
-        result = solve.run(*system.laplacian, guesses, def);
+        result = solve.run(*system.laplacian, warm, def);
     } else if (remember && automatic && memory[kMemoryTrial] == 0) {
         solve::LinearSolveDef trial = def;
         trial.max_iterations = std::min(def.max_iterations, kJacobiLimit);
-        result = solve.run(*system.preconditioner, guesses, trial);
+        result = solve.run(*system.preconditioner, warm, trial);
         memory[kMemoryTrial] = kTrialEvery;
         if (result.converged) {
             set_kind(body, PreconditionerKind::block_jacobi);
@@ -261,7 +313,7 @@ solve::LinearSolveResult solve_alone(StepContext& ctx, Body& body, System<Real>&
         if (result.iterations < trial.max_iterations || result.out_of_time) return result;
         solve.go_on(*system.multigrid, def, result);
     } else {
-        result = solve.run(*system.multigrid, guesses, def);
+        result = solve.run(*system.multigrid, warm, def);
         if (!result.breakdown && !result.indefinite && remember) note_multigrid(body, result, automatic);
     }
     if (result.breakdown && !result.indefinite) {
@@ -272,30 +324,11 @@ solve::LinearSolveResult solve_alone(StepContext& ctx, Body& body, System<Real>&
     return result;
 }
 
-/// Vertex fields of all members in a row, and back.
-void collect(const Island& island, std::vector<Vec3> Workspace::* field, std::span<Vec3> all) {
-    for (const Member& m : island.members) std::copy((m.body->work.*field).begin(), (m.body->work.*field).end(), all.begin() + std::ptrdiff_t(m.body->work.first_row));
-}
-void hand_out(const Island& island, std::span<const Vec3> all, std::vector<Vec3> Workspace::* field) {
-    for (const Member& m : island.members) std::copy_n(all.begin() + std::ptrdiff_t(m.body->work.first_row), m.body->vertices(), (m.body->work.*field).begin());
-}
-
 template <class Real>
-solve::LinearSolveResult solve_together(StepContext& ctx, Island& island, JointSystem<Real>& joint, bool warm, const solve::LinearSolveDef& def,
-                                        FunctionRef<void()> true_residual) {
+solve::LinearSolveResult solve_together(RowExchange& exchange, JointSystem<Real>& joint, bool warm, const solve::LinearSolveDef& def) {
+    StepContext& ctx = exchange.ctx;
+    const Island& island = exchange.island;
     joint.solver.resize(island.rows);
-    joint.solver.set_eliminated(ctx.world.eliminated);
-    for (auto* field : {&joint.b, &joint.x, &joint.residual}) field->assign(island.rows, Vec3::Zero());
-    collect(island, &Workspace::free_rhs, joint.b);
-    std::span<const Vec3> guesses[2];
-    for (std::size_t i = 0; warm && i < 2; ++i) {
-        joint.guess[i].resize(island.rows);
-        for (const Member& m : island.members) {
-            const std::vector<Vec3>& guess = i == 0 ? m.body->state.dv1 : m.body->state.dv2;
-            std::copy(guess.begin(), guess.end(), joint.guess[i].begin() + std::ptrdiff_t(m.body->work.first_row));
-        }
-        guesses[i] = joint.guess[i];
-    }
     bool built = false;  // a preconditioner that may break down is at work
     const auto set_parts = [&](bool simple) {
         joint.parts.clear();
@@ -318,18 +351,8 @@ solve::LinearSolveResult solve_together(StepContext& ctx, Island& island, JointS
             joint.parts.push_back({&system.A, preconditioner, system.coupling.get(), body.work.first_row});
         }
     };
-    const auto run = [&](std::span<const std::span<const Vec3>> from, const solve::LinearSolveDef& goal) {
-        return joint.solver.solve(ctx.team, joint.parts, ctx.world.appended, joint.b, from, goal,
-                                  [&](const Vec3*, Vec3*) {
-                                      hand_out(island, joint.x, &Workspace::dv);
-                                      true_residual();
-                                      collect(island, &Workspace::residual, joint.residual);
-                                  },
-                                  joint.x, joint.residual);
-    };
-    collect(island, &Workspace::dv, joint.x);
     set_parts(false);
-    solve::LinearSolveResult result = run(std::span(guesses, warm ? 2 : 0), def);
+    solve::LinearSolveResult result = exchange.run<Real>(joint.solver, joint.parts, warm, def);
     for (const Member& m : island.members) {
         std::int32_t& broken = m.body->state.solver[kMemoryBroken];  // iterations are not remembered: they are those of what touches
         if (broken > 0) --broken;
@@ -341,10 +364,10 @@ solve::LinearSolveResult solve_together(StepContext& ctx, Island& island, JointS
         }
         solve::LinearSolveDef rest = def;
         rest.max_iterations = std::max(1, def.max_iterations - result.iterations);
-        joint.b = joint.residual;
+        exchange.rows.b = exchange.rows.residual;
         set_parts(true);
         const int before = result.iterations;
-        result = run({}, rest);
+        result = exchange.run<Real>(joint.solver, joint.parts, false, rest);
         result.iterations += before;
     }
     return result;
@@ -368,7 +391,7 @@ void drop_preconditioner(Body& body) {
 void supports_have_changed(Body& body) {
     // By the state alone, whether or not the hierarchy has been built here yet: a continued run decides alike.
     if (kind_at_work(body) == PreconditionerKind::lattice_multigrid) {
-        if (body.preconditioner_fits) with_system(body, [&](auto& system) { system.multigrid->hold(held_bits(body)); });
+        if (body.preconditioner_fits) with_system(body, [&](auto& system) { system.multigrid->hold(held_by_row(body)); });
         ask_for_next(body);
         return;
     }
@@ -421,18 +444,19 @@ void prepare_preconditioner(StepContext& ctx, Body& body) {
 solve::LinearSolveResult solve_preconditioned(StepContext& ctx, Island& island, bool warm, const solve::LinearSolveDef& def, bool remember,
                                               FunctionRef<void()> true_residual) {
     World::Impl& world = ctx.world;
+    RowExchange exchange{ctx, island, true_residual};
+    exchange.begin(warm);
     if (!island.alone()) {
         if (world.def.solver.precision == Precision::single) {
             if (!world.joint_single) world.joint_single = std::make_unique<JointSystem<float>>(world.isa);
-            return solve_together(ctx, island, *world.joint_single, warm, def, true_residual);
+            return solve_together(exchange, *world.joint_single, warm, def);
         }
         if (!world.joint_double) world.joint_double = std::make_unique<JointSystem<double>>(world.isa);
-        return solve_together(ctx, island, *world.joint_double, warm, def, true_residual);
+        return solve_together(exchange, *world.joint_double, warm, def);
     }
     Body& body = *island.members[0].body;
-    const std::span<const Vec3> guesses[2] = {body.state.dv1, body.state.dv2};
     solve::LinearSolveResult result;
-    with_system(body, [&](auto& system) { result = solve_alone(ctx, body, system, std::span(guesses, warm ? 2 : 0), def, remember, true_residual); });
+    with_system(body, [&](auto& system) { result = solve_alone(exchange, body, system, warm, def, remember); });
     return result;
 }
 

@@ -119,8 +119,9 @@ DeadLoad make_dead(const TemplateData& data, const std::string& name, const Load
     return dead;
 }
 
-/// Matrix block (row, column); the corners of a boundary face share an element, so it is there.
-std::int32_t find_block(const TemplateData& data, std::int32_t row, std::int32_t column) {
+/// Matrix block of two vertices; the corners of a boundary face share an element, so it is there.
+std::int32_t find_block(const TemplateData& data, std::int32_t vertex, std::int32_t other) {
+    const std::int32_t row = data.pattern.row[std::size_t(vertex)], column = data.pattern.row[std::size_t(other)];
     const auto first = data.pattern.column.begin() + data.pattern.row_start[std::size_t(row)], last = data.pattern.column.begin() + data.pattern.row_start[std::size_t(row) + 1];
     return std::int32_t(std::lower_bound(first, last, column) - data.pattern.column.begin());
 }

@@ -46,12 +46,12 @@ struct BodyResponse::Parts {
                 double s0 = 0, s1 = 0, s2 = 0;
                 for (auto b = std::size_t(p.row_start[row]); b < std::size_t(p.row_start[row + 1]); ++b) {
                     const auto* v = value.data() + b * 12;
-                    const Vec3& q = x[std::size_t(p.column[b])];
+                    const Vec3& q = x[std::size_t(p.vertex[std::size_t(p.column[b])])];
                     s0 += double(v[0]) * q[0] + double(v[4]) * q[1] + double(v[8]) * q[2];
                     s1 += double(v[1]) * q[0] + double(v[5]) * q[1] + double(v[9]) * q[2];
                     s2 += double(v[2]) * q[0] + double(v[6]) * q[1] + double(v[10]) * q[2];
                 }
-                y[row] = Vec3(s0, s1, s2);
+                y[std::size_t(p.vertex[row])] = Vec3(s0, s1, s2);
             }
         };
         if (const auto* single = std::get_if<System<float>>(&body.system)) run(single->A.value);
@@ -110,8 +110,8 @@ std::vector<std::int32_t> BodyResponse::patch(std::span<const std::int32_t> seed
     };
     for (const std::int32_t v : seeds) take(v);
     for (std::size_t next = 0; next < found.size() && found.size() < most; ++next) {
-        const auto row = std::size_t(found[next]);
-        for (auto b = p.row_start[row]; b < p.row_start[row + 1]; ++b) take(p.column[std::size_t(b)]);
+        const auto row = std::size_t(p.row[std::size_t(found[next])]);
+        for (auto b = p.row_start[row]; b < p.row_start[row + 1]; ++b) take(p.vertex[std::size_t(p.column[std::size_t(b)])]);
     }
     std::sort(found.begin(), found.end());
     return found;
@@ -124,9 +124,9 @@ void BodyResponse::submatrix(std::span<const std::int32_t> chosen, MatX& A) cons
     std::vector<std::int32_t> place(vertices(), -1);
     for (std::size_t i = 0; i < chosen.size(); ++i) place[std::size_t(chosen[i])] = std::int32_t(i);
     for (std::size_t i = 0; i < chosen.size(); ++i) {
-        const auto row = std::size_t(chosen[i]);
+        const auto row = std::size_t(p.row[std::size_t(chosen[i])]);
         for (auto b = std::size_t(p.row_start[row]); b < std::size_t(p.row_start[row + 1]); ++b) {
-            const std::int32_t j = place[std::size_t(p.column[b])];
+            const std::int32_t j = place[std::size_t(p.vertex[std::size_t(p.column[b])])];
             if (j >= 0) A.block<3, 3>(3 * Eigen::Index(i), 3 * j) = parts_->block(b);
         }
     }
@@ -148,7 +148,7 @@ BodyResponse::Solved BodyResponse::solve(std::span<const Vec3> force_n, std::spa
                                                                             " displacements for " + std::to_string(n) + " vertices; give one of each per vertex");
     // Block-Jacobi with the springs' own diagonals.
     std::vector<Mat3> inverse(n);
-    for (std::size_t i = 0; i < n; ++i) inverse[i] = parts.block(std::size_t(parts.pattern().diagonal[i]));
+    for (std::size_t i = 0; i < n; ++i) inverse[i] = parts.block(std::size_t(parts.pattern().diagonal[std::size_t(parts.pattern().row[i])]));
     for (const Spring& s : parts.springs)
         for (std::size_t k = 0; k < s.corners; ++k) inverse[std::size_t(s.vertex[k])] += s.weight[k].asDiagonal() * s.K * s.weight[k].asDiagonal();
     for (std::size_t i = 0; i < n; ++i) inverse[i] = inverse[i].isZero(0) ? Mat3(Mat3::Zero()) : Mat3(inverse[i].inverse());

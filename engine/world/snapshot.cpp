@@ -77,6 +77,8 @@ Drag read_drag(ByteReader& in, const World::Impl& world, const BodySizes& bodies
     const bool inside = std::all_of(drag.vertex.begin(), drag.vertex.end(), [&](std::int32_t v) { return v >= 0 && std::size_t(v) < n; });
     if (!inside || drag.vertex.size() != drag.weight.size()) throw Error(ErrorCode::corrupt_snapshot, "snapshot", "a drag's patch does not fit its body");
     drag.masked.resize(drag.vertex.size());
+    drag.row.resize(drag.vertex.size());
+    drag.own_row.resize(drag.vertex.size());
     return drag;
 }
 

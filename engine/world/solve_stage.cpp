@@ -45,16 +45,16 @@ void predict(StepContext& ctx, const Body& body, Drag& drag) {
     if (drag.capped) drag.predicted *= drag.max_force / drag.predicted.norm();
 }
 
-/// A row of the system of a member's own vertices.
-void append_own(StepContext& ctx, Island& island, Member& member, std::span<const std::int32_t> vertex, std::vector<std::int32_t>& row, std::span<const Vec3> weight, const Mat3& K) {
-    if (island.alone()) {
-        ctx.world.appended.push_back({vertex, weight, K});
-        return;
+/// The row of a spring in the system, and in the matrix of its body.
+void append_spring(StepContext& ctx, const Island& island, Body& body, Drag& drag, const Mat3& K) {
+    drag.own_row.resize(drag.vertex.size());
+    drag.row.resize(drag.vertex.size());
+    for (std::size_t i = 0; i < drag.row.size(); ++i) {
+        drag.own_row[i] = body.row_of(drag.vertex[i]);
+        drag.row[i] = drag.own_row[i] + std::int32_t(body.work.first_row);
     }
-    row.resize(vertex.size());
-    for (std::size_t i = 0; i < row.size(); ++i) row[i] = std::int32_t(member.body->work.first_row) + vertex[i];
-    ctx.world.appended.push_back({row, weight, K});
-    member.body->work.own_rows.push_back({vertex, weight, K});
+    ctx.world.appended.push_back({drag.row, drag.masked, K});
+    if (!island.alone()) body.work.own_rows.push_back({drag.own_row, drag.masked, K});
 }
 
 /// The springs' forces with v0, and the rows of springs below their cap and of contacts.
@@ -67,7 +67,7 @@ void append_touch(StepContext& ctx, Island& island) {
         for_drags_of(ctx.world, member.id, [&](Drag& drag) {
             predict(ctx, body, drag);
             if (drag.capped) return;
-            append_own(ctx, island, member, drag.vertex, drag.row, drag.masked, h * (h * drag.stiffness + damping(ctx, drag)) * Mat3::Identity());
+            append_spring(ctx, island, body, drag, h * (h * drag.stiffness + damping(ctx, drag)) * Mat3::Identity());
         });
     }
     append_contacts(ctx, island);

@@ -87,7 +87,7 @@ void assemble(StepContext& ctx, Body& body) {
     const TemplateData& data = body.data();
     const double mass = mass_scale(ctx, body);
     Workspace& w = body.work;
-    for (std::size_t i = 0; i < body.vertices(); ++i) w.diagonal[i] = mass * body.mass[i];
+    for (std::size_t row = 0; row < body.vertices(); ++row) w.diagonal[row] = mass * body.mass[std::size_t(data.pattern.vertex[row])];
     with_system(body, [&](auto& system) {
         using Real = typename std::remove_reference_t<decltype(system)>::Scalar;
         body.elements->assemble(ctx.team, stiffness_scale(ctx, body), w.diagonal, system.A.value.data());
@@ -95,13 +95,13 @@ void assemble(StepContext& ctx, Body& body) {
         // Held coordinates: zero rows and columns, one on the diagonal.
         ctx.team.for_range(body.held_rows.size(), 64, [&](std::size_t begin, std::size_t end) {
             for (std::size_t k = begin; k < end; ++k) {
-                const std::size_t row = std::size_t(body.held_rows[k]);
+                const std::size_t row = std::size_t(body.held_rows[k]), vertex = std::size_t(data.pattern.vertex[row]);
                 for (std::int32_t block = data.pattern.row_start[row]; block < data.pattern.row_start[row + 1]; ++block) {
-                    const std::size_t column = std::size_t(data.pattern.column[std::size_t(block)]);
+                    const std::size_t column = std::size_t(data.pattern.column[std::size_t(block)]), other = std::size_t(data.pattern.vertex[column]);
                     Real* value = system.A.value.data() + std::size_t(block) * 12;
                     for (std::size_t c = 0; c < 3; ++c) {
                         for (std::size_t i = 0; i < 3; ++i) {
-                            if (body.is_held(row, i) || body.is_held(column, c)) value[4 * c + i] = Real(row == column && i == c ? 1 : 0);
+                            if (body.is_held(vertex, i) || body.is_held(other, c)) value[4 * c + i] = Real(row == column && i == c ? 1 : 0);
                         }
                     }
                 }

@@ -57,9 +57,11 @@ void refresh_supports(World::Impl& world, BodyId id, Body& body) {
     body.held_rows.clear();
     for (std::size_t row = 0; row < body.vertices(); ++row) {
         bool any = false;
-        for (std::int32_t b = pattern.row_start[row]; b < pattern.row_start[row + 1] && !any; ++b) any = touched(std::size_t(pattern.column[std::size_t(b)]));
+        for (std::int32_t b = pattern.row_start[row]; b < pattern.row_start[row + 1] && !any; ++b) any = touched(std::size_t(pattern.vertex[std::size_t(pattern.column[std::size_t(b)])]));
         if (any) body.held_rows.push_back(std::int32_t(row));
-        for (Vec3* history : {&body.state.dv1[row], &body.state.dv2[row]}) *history = free_part(body, row, *history);
+    }
+    for (std::size_t v = 0; v < body.vertices(); ++v) {
+        for (Vec3* history : {&body.state.dv1[v], &body.state.dv2[v]}) *history = free_part(body, v, *history);
     }
     for (Drag& drag : world.drags) {
         if (drag.generation == 0 || drag.body != id) continue;

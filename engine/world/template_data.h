@@ -9,7 +9,8 @@
 
 namespace supple {
 
-/// What a BodyTemplate holds: all that depends on the mesh alone.
+/// What a BodyTemplate holds: all that depends on the mesh alone. Fields of vertices and elements are in the order of the mesh; the rows of the matrix and the
+/// blocks of elements have one of their own, along a curve through the rest shape, which nothing outside sees.
 struct TemplateData {
     VolumeMesh mesh;
     MeshReport report;

@@ -128,6 +128,8 @@ DragId World::begin_drag(const PickHit& hit, const DragDef& def) {
     drag.body = hit.body;
     choose_patch(body, hit, def.radius_m, drag);
     drag.masked.resize(drag.vertex.size());
+    drag.row.resize(drag.vertex.size());
+    drag.own_row.resize(drag.vertex.size());
     // What the patch weighs against a force over one step: 1 / sum w^2 / a, with a = m/h^2 + K of each vertex; and its inertia alone.
     const double h = w.def.time_step_s;
     double compliance = 0, inverse_mass = 0;

@@ -24,7 +24,8 @@ struct ElasticProblem {
 
     std::shared_ptr<const BodyTemplate> shape;
     const solve::Bsr3Pattern& pattern;
-    std::vector<std::uint8_t> held;     ///< bit c: coordinate c
+    std::vector<Vec3> points;           ///< [row] at rest
+    std::vector<std::uint8_t> held;     ///< [row] bit c: coordinate c
     solve::Bsr3<Real> A;
     Eigen::SparseMatrix<double> matrix;
     std::vector<Vec3> b;
@@ -34,7 +35,7 @@ struct ElasticProblem {
 
     template <class Held>
     ElasticProblem(std::shared_ptr<const BodyTemplate> body, const Def& def, Held&& held_bits, int threads = 1)
-        : shape(std::move(body)), pattern(shape->data().pattern), team(threads) {
+        : shape(std::move(body)), pattern(shape->data().pattern), points(solve::by_row(pattern, std::span(shape->mesh().vertices))), team(threads) {
         const TemplateData& data = shape->data();
         const fem::ElementLayout& layout = data.layout;
         const std::size_t n = layout.vertices;
@@ -59,9 +60,9 @@ struct ElasticProblem {
         outputs.tangent = true;
         elements->evaluate(team, x.data()->data(), quaternion.data(), outputs);
         A = {&pattern, AlignedVector<Real>(pattern.blocks() * 12, Real(0))};
-        elements->assemble(team, def.time_step_s * def.time_step_s, fem::lumped_mass(data.mesh, std::vector<double>{1000}), A.value.data());
+        elements->assemble(team, def.time_step_s * def.time_step_s, by_row(fem::lumped_mass(data.mesh, std::vector<double>{1000})), A.value.data());
         for (const double v : layout.volume) volume += v;
-        for (std::size_t i = 0; i < n; ++i) held.push_back(held_bits(data.mesh.vertices[i]));
+        for (std::size_t i = 0; i < n; ++i) held.push_back(held_bits(points[i]));
 
         std::vector<Eigen::Triplet<double>> triplets;
         for (std::size_t i = 0; i < n; ++i) {
@@ -88,10 +89,12 @@ struct ElasticProblem {
         }
     }
 
+    std::vector<double> by_row(const std::vector<double>& of_vertex) const { return solve::by_row(pattern, std::span(of_vertex)); }
     std::size_t rows() const { return pattern.rows; }
     auto rotation() const {
         return [this](std::int32_t id, double* q) {
-            const double* from = quaternion.data() + std::size_t(id) / fem::kBlock * 4 * fem::kBlock + std::size_t(id) % fem::kBlock;
+            const std::size_t slot = shape->data().layout.slot[std::size_t(id)];
+            const double* from = quaternion.data() + slot / fem::kBlock * 4 * fem::kBlock + slot % fem::kBlock;
             for (std::size_t k = 0; k < 4; ++k) q[k] = from[k * fem::kBlock];
         };
     }
@@ -100,7 +103,7 @@ struct ElasticProblem {
         const auto& tets = shape->mesh().tets;
         for (std::size_t e = 0; e < tets.size(); ++e) {
             for (const std::int32_t v : tets[e]) {
-                auto& ids = near[std::size_t(v)];
+                auto& ids = near[std::size_t(pattern.row[std::size_t(v)])];
                 for (std::int32_t& id : ids) {
                     if (id < 0) {
                         id = std::int32_t(e);
@@ -115,7 +118,7 @@ struct ElasticProblem {
         auto made = std::make_unique<solve::LatticeMultigrid<Real>>(pattern, isa);
         const auto near = rotation_of_row();
         solve::LatticeDef def;
-        def.points = shape->mesh().vertices;
+        def.points = points;
         def.held = held;
         def.rotation_of_row = near;
         def.volume = volume;
