@@ -39,6 +39,9 @@ struct World::Impl {
     std::size_t living_islands = 0;
     DisjointSets together;                     ///< scratch of form_islands(), as is
     std::vector<std::size_t> first_at_collider;
+    Island lone;                               ///< a member of an island that came apart
+    std::vector<std::int32_t> sweep;           ///< scratch of find_contacts(): members by the begin of their boxes
+    std::vector<std::array<std::int32_t, 2>> near;  ///< members whose boxes meet
     std::unique_ptr<JointSystem<float>> joint_single;   ///< made with the first island of several members
     std::unique_ptr<JointSystem<double>> joint_double;
 

@@ -299,14 +299,17 @@ solve::LinearSolveResult solve_together(StepContext& ctx, Island& island, JointS
     bool built = false;  // a preconditioner that may break down is at work
     const auto set_parts = [&](bool simple) {
         joint.parts.clear();
+        joint.touching.clear();
         for (const Member& m : island.members) {
             Body& body = *m.body;
             System<Real>& system = std::get<System<Real>>(body.system);
             solve::Preconditioner<Real>* preconditioner = system.preconditioner.get();
+            bool jacobi = kind_at_work(body) != PreconditionerKind::direct;
             // What touches asks for many solves with little work each: there small bodies are better off with what is quickly made.
             const bool small = ctx.world.def.solver.preconditioner == PreconditionerKind::automatic && body.vertices() < kMultigridRows;
             if (!simple && !small && !works_without_build(body)) {
                 built = true;
+                jacobi = false;
                 if (kind_at_work(body) == PreconditionerKind::lattice_multigrid) {
                     turn_lattice(ctx, body, system);
                     preconditioner = system.multigrid.get();
@@ -314,9 +317,12 @@ solve::LinearSolveResult solve_together(StepContext& ctx, Island& island, JointS
                     preconditioner = system.laplacian.get();
                 }
             }
-            preconditioner->update(ctx.team, system.A, body.work.own_rows);
+            if (!jacobi) preconditioner->update(ctx.team, system.A, body.work.own_rows);
             joint.parts.push_back({&system.A, preconditioner, system.coupling.get(), body.work.first_row});
+            joint.touching.push_back({&system.A, body.work.first_row, jacobi ? nullptr : preconditioner, preconditioner->coupling_diagonal, body.work.y, body.owner});
         }
+        joint.preconditioner.update(ctx.team, joint.touching, ctx.world.appended, ctx.world.eliminated, island.same_matrices && !simple);
+        joint.solver.set_joint(&joint.preconditioner);
     };
     const auto run = [&](std::span<const std::span<const Vec3>> from, const solve::LinearSolveDef& goal) {
         return joint.solver.solve(ctx.team, joint.parts, ctx.world.appended, joint.b, from, goal,
@@ -329,6 +335,7 @@ solve::LinearSolveResult solve_together(StepContext& ctx, Island& island, JointS
     };
     collect(island, &Workspace::dv, joint.x);
     set_parts(false);
+    island.same_matrices = true;
     solve::LinearSolveResult result = run(std::span(guesses, warm ? 2 : 0), def);
     for (const Member& m : island.members) {
         std::int32_t& broken = m.body->state.solver[kMemoryBroken];  // iterations are not remembered: they are those of what touches
