@@ -5,6 +5,7 @@
 
 #include "supple/base/clock.h"
 #include "supple/solve/chunked_sum.h"
+#include "supple/solve/joint_preconditioner.h"
 
 namespace supple::solve {
 
@@ -69,6 +70,7 @@ double LinearSolver<Real>::add_beside(Team& team, std::span<const SystemPart<Rea
 
 template <class Real>
 double LinearSolver<Real>::precondition(Team& team, std::span<const SystemPart<Real>> parts, const Real* r, Real* z) {
+    if (joint_ != nullptr) return joint_->apply(team, r, z);
     double sum = 0;
     for (const SystemPart<Real>& part : parts) {
         const double rz = part.preconditioner->apply(team, r + 4 * part.first_row, z + 4 * part.first_row);
@@ -181,10 +183,11 @@ void LinearSolver<Real>::warm_start(Team& team, std::span<const SystemPart<Real>
     });
 }
 
-/// A d = r from d = 0 until the recurrence has |r| <= target; d_ and r_ hold the result.
+/// A d = r from d = 0 until the recurrence has |r| <= target, and sqrt(r.z) <= energy_target where that is not zero; d_ and r_ hold the result.
 template <class Real>
 void LinearSolver<Real>::conjugate_gradients(Team& team, std::span<const SystemPart<Real>> parts, std::span<const AppendedRow> appended,
-                                             double target, const LinearSolveDef& def, LinearSolveResult& result) {
+                                             double target, double energy_target, const LinearSolveDef& def, LinearSolveResult& result) {
+    double rr = energy_target > 0 ? square(team, r_.data()) : HUGE_VAL;
     team.for_range(rows_, kRowChunk, [&](std::size_t begin, std::size_t end) {
         std::fill(d_.begin() + std::ptrdiff_t(begin * 4), d_.begin() + std::ptrdiff_t(end * 4), Real(0));
     });
@@ -199,6 +202,7 @@ void LinearSolver<Real>::conjugate_gradients(Team& team, std::span<const SystemP
             result.breakdown = rz_new < 0;
             return;
         }
+        if (energy_target > 0 && std::sqrt(rz_new) <= energy_target && std::sqrt(rr) <= target) return;
         const Real beta = iteration == 0 ? Real(0) : Real(rz_new / rz);
         rz = rz_new;
         team.for_range(rows_, kRowChunk, [&](std::size_t begin, std::size_t end) {
@@ -212,11 +216,11 @@ void LinearSolver<Real>::conjugate_gradients(Team& team, std::span<const SystemP
         result.indefinite = def.only_definite && curvature < 0;
         if (!(curvature > 0)) return;  // p = 0 in this precision, or not a number
         const Real alpha = Real(rz / curvature);
-        const double rr = sum_over_rows(team, rows_, partial_, [&](std::size_t begin, std::size_t end) {
+        rr = sum_over_rows(team, rows_, partial_, [&](std::size_t begin, std::size_t end) {
             return kernels_.advance(alpha, p_.data(), q_.data(), d_.data(), r_.data(), begin, end);
         });
         ++result.iterations;
-        if (!(std::sqrt(rr) > target)) return;
+        if (energy_target == 0 && !(std::sqrt(rr) > target)) return;
     }
 }
 
@@ -230,15 +234,18 @@ LinearSolveResult LinearSolver<Real>::solve(Team& team, std::span<const SystemPa
     result.indefinite = def.only_definite && !definite;
     if (result.indefinite) return result;
     import(team, b, r_.data());
+    if (joint_ != nullptr) {
+        result.energy_target = def.energy_tolerance > 0 ? def.energy_tolerance * std::sqrt(std::max(0.0, precondition(team, parts, r_.data(), z_.data()))) : def.energy_target;
+    }
     warm_start(team, parts, appended, guesses, x);
     double recurrence = std::sqrt(square(team, r_.data()));
     result.start_residual = recurrence;
     double last_true = HUGE_VAL;
     for (int pass = 0;; ++pass) {
-        if (recurrence > def.target && result.iterations < def.max_iterations) {
+        if ((recurrence > def.target || (pass == 0 && result.energy_target > 0)) && result.iterations < def.max_iterations) {
             // A little below the target: the pass is worth nothing if rounding leaves it a hair above.
             const double goal = std::max(0.9 * def.target, kPassGain<Real> * recurrence);
-            conjugate_gradients(team, parts, appended, goal, def, result);
+            conjugate_gradients(team, parts, appended, goal, pass == 0 ? result.energy_target : 0, def, result);
             // A preconditioner made of the matrix itself fails with it.
             result.indefinite = result.indefinite || (def.only_definite && result.breakdown);
             if (result.indefinite) return result;

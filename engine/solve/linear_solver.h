@@ -7,8 +7,13 @@
 
 namespace supple::solve {
 
+template <class Real>
+class JointPreconditioner;
+
 struct LinearSolveDef {
     double target = 0;             ///< stop at |r| <= target, in float64
+    double energy_target = 0;      ///< with a joint preconditioner: and at sqrt(r . P^-1 r) <= this. Stiff rows make |b| large and their residual is the first to go
+    double energy_tolerance = 0;   ///< takes the place of energy_target: part of sqrt(b . P^-1 b)
     int max_iterations = 2000;     ///< over all passes
     bool only_definite = false;    ///< end, without a solution, as soon as the matrix proves to be indefinite
     std::int64_t deadline_ns = 0;  ///< on the clock of now_ns(), base/clock.h: no iteration begins after it; 0 = none
@@ -18,6 +23,7 @@ struct LinearSolveResult {
     int iterations = 0;
     double start_residual = 0;     ///< of the best start
     double residual = 0;           ///< |b - A x|, from the true float64 residual
+    double energy_target = 0;      ///< that the solve went to, 0: none
     bool converged = false;
     bool stalled = false;          ///< a pass no longer lowers the true residual: the precision of the matrix is used up
     bool breakdown = false;        ///< the preconditioner was not positive: nothing wrong with x, but another one must go on
@@ -60,6 +66,9 @@ public:
     /// Eliminated bodies of the solves to come; they stay with the caller.
     void set_eliminated(std::span<const EliminatedBody> eliminated) { eliminated_ = eliminated; }
 
+    /// Takes the place of the parts' preconditioners in the solves to come, up to date; null: nothing does. It stays with the caller.
+    void set_joint(JointPreconditioner<Real>* joint) { joint_ = joint; }
+
     /// y = (A + appended + coupling) x; returns x . y.  [row][x y z 0]
     double multiply(Team& team, std::span<const SystemPart<Real>> parts, std::span<const AppendedRow> appended, const Real* x, Real* y);
 
@@ -67,7 +76,7 @@ private:
     void warm_start(Team& team, std::span<const SystemPart<Real>> parts, std::span<const AppendedRow> appended,
                     std::span<const std::span<const Vec3>> guesses, std::span<Vec3> x);
     void conjugate_gradients(Team& team, std::span<const SystemPart<Real>> parts, std::span<const AppendedRow> appended,
-                             double target, const LinearSolveDef& def, LinearSolveResult& result);
+                             double target, double energy_target, const LinearSolveDef& def, LinearSolveResult& result);
     void import(Team& team, std::span<const Vec3> from, Real* to) const;
     double square(Team& team, const Real* v);
 
@@ -77,6 +86,7 @@ private:
     double precondition(Team& team, std::span<const SystemPart<Real>> parts, const Real* r, Real* z);
 
     std::span<const EliminatedBody> eliminated_;
+    JointPreconditioner<Real>* joint_ = nullptr;
     const Bsr3Kernels<Real>& kernels_;
     std::size_t rows_;
     AlignedVector<Real> d_, r_, p_, q_, z_;  ///< [row][x y z 0]

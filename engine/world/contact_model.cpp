@@ -345,10 +345,8 @@ void read_contacts(StepContext& ctx, BodyId id, Body& body) {
         memory.collider = c.collider;
         memory.generation = generation;
         memory.other = c.other_slot;
-        for (std::size_t k = 0; k < std::min<std::size_t>(c.corners, 3); ++k) {
-            memory.vertex[k] = c.vertex[k];
-            memory.weight[k] = c.weight[k];
-        }
+        memory.vertex = c.key();
+        for (std::size_t k = 0; k < std::min<std::size_t>(c.corners, 3); ++k) memory.weight[k] = c.weight[k];
         memory.friction_n = {point.friction_force_n[0], point.friction_force_n[1], point.friction_force_n[2]};
         memory.boost = point.depth_m < kEasy * c.allowed_depth ? std::max(1.0, c.boost / 2) : c.boost;
         body.state.contacts.push_back(memory);

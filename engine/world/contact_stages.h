@@ -14,8 +14,10 @@ void end_colliders(StepContext& ctx);
 /// The contacts of bodies around the velocity v0 + dv that their solve has reached, with colliders and with one another: what touches, what may touch, and the
 /// model of each.
 void find_contacts(StepContext& ctx, std::span<Member> members);
-/// Those of a body with the members, itself among them, where the surfaces of all know where they would end (ContactSurface::end).
-void find_body_contacts(StepContext& ctx, Member& member, std::span<Member> members);
+/// Those of a body with another whose box its own box meets, or with itself, where both surfaces know where they would end (ContactSurface::end).
+void find_body_contacts(StepContext& ctx, Member& member, Member& other);
+/// Those of its sharp edges with the other's; once for two bodies.
+void find_edge_contacts(StepContext& ctx, Member& member, Member& other);
 /// Whether two bodies, or one with itself, are to touch where they meet.
 bool may_touch(const World::Impl& world, const Member& a, const Member& b);
 /// The attachments of a body, added to its contacts.

@@ -17,7 +17,7 @@ struct TemplateData;
 /// What a contact leaves to the next step. Part of a body's state; no padding, so that its bytes are its value.
 struct ContactMemory {
     std::uint32_t collider = 0, generation = 0;
-    std::array<std::int32_t, 3> vertex{-1, -1, -1};  ///< whose weights are not zero, ascending; -1 behind them
+    std::array<std::int32_t, 3> vertex{-1, -1, -1};  ///< whose weights are not zero, ascending; -1 behind them. Of two edges: the own ends, and edge_tag() of the other
     std::int32_t other = -1;                         ///< slot of the other body, its generation above; -1: a collider
     std::array<double, 3> friction_n{};              ///< on the body
     std::array<double, 3> weight{};                  ///< of the vertices
@@ -41,6 +41,7 @@ struct Contact {
     std::int32_t other_slot = -1;     ///< of the other body; -1: none
     Body* other = nullptr;            ///< may be the body itself
     std::int32_t attachment = -1;     ///< its slot; -1: a contact
+    std::int32_t tag = -1;            ///< of an edge against an edge: edge_tag() of the other's; -1: none
     std::array<std::int32_t, kMost> vertex{-1, -1, -1, -1, -1, -1, -1, -1};  ///< `corners` of the body, then `others` of the other
     std::array<double, kMost> weight{};  ///< of the others negative: s is the sum over both
     std::array<Vec3, kMost> masked{}; ///< per coordinate, zero where held; of the others times their h' over the body's
@@ -65,6 +66,17 @@ struct Contact {
 
     Vec3 force(const Vec3& z) const { return f_ref - K * (z - z_ref); }
     std::size_t vertices() const { return corners + others; }
+    /// ContactMemory::vertex of it.
+    std::array<std::int32_t, 3> key() const { return {vertex[0], corners > 1 ? vertex[1] : -1, corners > 2 ? vertex[2] : tag}; }
+};
+
+/// Sets edges of the other body apart from vertices and from none.
+inline std::int32_t edge_tag(std::int32_t sharp_edge) { return -2 - sharp_edge; }
+
+/// An edge of a body's surface where it is sharp and convex at rest.
+struct SharpEdge {
+    std::array<std::int32_t, 2> vertex{};    ///< ascending
+    std::array<std::int32_t, 2> triangle{};  ///< on either side
 };
 
 /// What contact needs of a body's surface. Made with the first collider, or the first other body that it may touch.
@@ -74,6 +86,8 @@ struct ContactSurface {
     std::vector<std::int32_t> triangle;  ///< [vertex] a boundary triangle at it; -1 inside
     std::vector<double> edge_m;          ///< [vertex] mean length of its boundary edges
     std::vector<std::int32_t> around_start, around;  ///< [vertex] -> boundary triangles at it
+    std::vector<SharpEdge> sharp;
+    std::vector<std::array<std::int32_t, 3>> sharp_of;  ///< [triangle] the sharp edges that it is the first triangle of; -1: none
     double mean_edge_m = 0, longest_edge_m = 0;
     std::vector<Vec3> end;               ///< [vertex] where it would be at the end of the step
     contact::Bounds box;                 ///< of start and end

@@ -10,6 +10,7 @@
 #include <optional>
 #include <tuple>
 
+#include "supple/contact/first_fall.h"
 #include "supple/mesh/triangle_tree.h"
 #include "supple/world/contact_stages.h"
 #include "supple/world/stages.h"
@@ -116,33 +117,6 @@ Vec3 feature_normal(const Meeting& m, const Found& at) {
     return sum;
 }
 
-/// First moment in [0, 1] at which a + b t + c t^2 + d t^3 falls through zero.
-std::optional<double> first_fall(double a, double b, double c, double d) {
-    const auto f = [&](double t) { return a + t * (b + t * (c + t * d)); };
-    std::array<double, 4> cut{0, 1, 1, 1};
-    std::size_t cuts = 1;
-    const double p = 3 * d, q = 2 * c, disc = q * q - 4 * p * b;  // extremes: p t^2 + q t + b = 0
-    if (disc >= 0) {
-        const double root = -0.5 * (q + std::copysign(std::sqrt(disc), q));
-        double t1 = p != 0 ? root / p : 2, t2 = root != 0 ? b / root : 2;
-        if (t1 > t2) std::swap(t1, t2);
-        for (const double t : {t1, t2}) {
-            if (t > 0 && t < 1) cut[cuts++] = t;
-        }
-    }
-    cut[cuts] = 1;
-    for (std::size_t i = 0; i < cuts; ++i) {
-        double low = cut[i], high = cut[i + 1];
-        if (!(f(low) >= 0 && f(high) < 0)) continue;
-        for (int k = 0; k < 60; ++k) {
-            const double mid = 0.5 * (low + high);
-            (f(mid) >= 0 ? low : high) = mid;
-        }
-        return low;
-    }
-    return {};
-}
-
 /// Where a vertex comes through a triangle from the outside, both moving evenly.
 std::optional<Found> crossing(const Meeting& m, const Vec3& p0, const Vec3& p1, std::int32_t t) {
     const Triangle& corner = m.triangle(t);
@@ -151,7 +125,7 @@ std::optional<Found> crossing(const Meeting& m, const Vec3& p0, const Vec3& p1, 
     const Vec3 g0 = m.start(corner[2]) - a0, g = m.end(corner[2]) - a1 - g0;
     const Vec3 r0 = p0 - a0, r = p1 - a1 - r0;
     const Vec3 n0 = e0.cross(g0), n1 = e0.cross(g) + e.cross(g0), n2 = e.cross(g);
-    const auto time = first_fall(r0.dot(n0), r.dot(n0) + r0.dot(n1), r.dot(n1) + r0.dot(n2), r.dot(n2));
+    const auto time = contact::first_fall(r0.dot(n0), r.dot(n0) + r0.dot(n1), r.dot(n1) + r0.dot(n2), r.dot(n2));
     if (!time) return {};
     const Vec3 x = r0 + *time * r, u = e0 + *time * e, w = g0 + *time * g, n = u.cross(w);
     const double area = n.squaredNorm();
@@ -170,8 +144,8 @@ std::optional<Found> crossing(const Meeting& m, const Vec3& p0, const Vec3& p1, 
 /// True if the vertex pressed on the other body in the last step.
 bool remembered(const Meeting& m, std::int32_t v) {
     const std::vector<ContactMemory>& memory = m.body.state.contacts;
-    const auto key = std::tuple(kNoCollider, m.other_slot, v);
-    const auto of = [](const ContactMemory& c) { return std::tuple(c.collider, c.other, c.vertex[0]); };
+    const auto key = std::tuple(kNoCollider, m.other_slot, std::array<std::int32_t, 3>{v, -1, -1});
+    const auto of = [](const ContactMemory& c) { return std::tuple(c.collider, c.other, c.vertex); };
     const auto at = std::lower_bound(memory.begin(), memory.end(), key, [&](const ContactMemory& c, const auto& k) { return of(c) < k; });
     return at != memory.end() && of(*at) == key;
 }
@@ -260,23 +234,20 @@ bool may_touch(const World::Impl& world, const Member& a, const Member& b) {
     return a.id == b.id ? a.body->def.touches_itself : a.body->def.touches_bodies && b.body->def.touches_bodies;
 }
 
-void find_body_contacts(StepContext& ctx, Member& member, std::span<Member> members) {
+void find_body_contacts(StepContext& ctx, Member& member, Member& other) {
     const ContactSurface& own = *member.body->contacts.surface;
-    for (Member& other : members) {
-        if (!other.body->contacts.surface) continue;
-        ContactSurface& surface = *other.body->contacts.surface;
-        const double margin = 0.5 * (own.margin_m + surface.margin_m), reach = kReach * surface.mean_edge_m;
-        Bounds box = surface.box;
-        box.grow(margin);
-        if (!box.overlaps(own.box) || !may_touch(ctx.world, member, other)) continue;
-        surface.fit(other.body->data().boundary.triangles, other.body->state.x);
-        const double friction = std::sqrt(member.body->def.friction * other.body->def.friction);
-        Meeting m{ctx, *member.body, *other.body, std::int32_t(other.id.index), &member == &other, margin, reach, friction};
-        for (const std::int32_t v : member.body->data().boundary_vertices) {
-            Bounds way{member.body->state.x[std::size_t(v)], member.body->state.x[std::size_t(v)]};
-            way.include(own.end[std::size_t(v)]);
-            if (box.overlaps(way)) look_at_vertex(m, v);
-        }
+    ContactSurface& surface = *other.body->contacts.surface;
+    const double margin = 0.5 * (own.margin_m + surface.margin_m), reach = kReach * surface.mean_edge_m;
+    Bounds box = surface.box;
+    box.grow(margin);
+    if (!box.overlaps(own.box)) return;
+    surface.fit(other.body->data().boundary.triangles, other.body->state.x);
+    const double friction = std::sqrt(member.body->def.friction * other.body->def.friction);
+    Meeting m{ctx, *member.body, *other.body, std::int32_t(other.id.index), &member == &other, margin, reach, friction};
+    for (const std::int32_t v : member.body->data().boundary_vertices) {
+        Bounds way{member.body->state.x[std::size_t(v)], member.body->state.x[std::size_t(v)]};
+        way.include(own.end[std::size_t(v)]);
+        if (box.overlaps(way)) look_at_vertex(m, v);
     }
 }
 

@@ -19,7 +19,6 @@ using contact::Distance;
 
 namespace {
 
-constexpr double kMargin = 0.5;            // of the mean edge: gaps that are watched
 constexpr double kAllowedDepthOfShape = 0.1;  // of its thinness
 constexpr double kSweepFrom = 0.5;         // of a shape's thinness: longer ways are followed
 constexpr double kNear = 1e-3;             // of the edges, or of the thinness if that is less: what counts as touched on the way
@@ -246,24 +245,22 @@ void look_at_triangle(Meeting& m, std::int32_t triangle) {
     add_contact(m, found);
 }
 
-auto key(const Contact& c) { return std::tie(c.collider, c.other_slot, c.attachment, c.vertex); }
+auto key(const Contact& c) { return std::tuple(c.collider, c.other_slot, c.attachment, c.key(), c.vertex); }
 
 /// As memory orders them.
 int compare(const Contact& c, const ContactMemory& m) {
     if (c.collider != m.collider) return c.collider < m.collider ? -1 : 1;
     if (c.other_slot != m.other) return c.other_slot < m.other ? -1 : 1;
-    for (std::size_t k = 0; k < 3; ++k) {
-        const std::int32_t vertex = k < c.corners ? c.vertex[k] : -1;
-        if (vertex != m.vertex[k]) return vertex < m.vertex[k] ? -1 : 1;
-    }
-    return 0;
+    const std::array<std::int32_t, 3> key = c.key();
+    return key == m.vertex ? 0 : key < m.vertex ? -1 : 1;
 }
 
 /// Friction and stiffness of the last step.
 void sort_and_remember(const World::Impl& world, Body& body) {
     std::vector<Contact>& list = body.contacts.list;
     std::sort(list.begin(), list.end(), [](const Contact& a, const Contact& b) {
-        return std::tie(a.collider, a.other_slot, a.attachment, a.vertex, a.triangle) < std::tie(b.collider, b.other_slot, b.attachment, b.vertex, b.triangle);
+        const auto one = key(a), two = key(b);
+        return one != two ? one < two : a.triangle < b.triangle;
     });
     list.erase(std::unique(list.begin(), list.end(), [](const Contact& a, const Contact& b) { return key(a) == key(b); }), list.end());
     const std::vector<ContactMemory>& memory = body.state.contacts;
@@ -284,43 +281,6 @@ void sort_and_remember(const World::Impl& world, Body& body) {
     }
 }
 
-}  // namespace
-
-ContactSurface::ContactSurface(const TemplateData& data)
-    : tree(data.boundary.triangles, data.mesh.vertices), triangle(data.mesh.vertices.size(), -1), edge_m(data.mesh.vertices.size(), 0.0), end(data.mesh.vertices) {
-    std::vector<int> count(triangle.size(), 0);
-    double sum = 0;
-    std::size_t edges = 0;
-    for (std::size_t t = 0; t < data.boundary.triangles.size(); ++t) {
-        const Triangle& corner = data.boundary.triangles[t];
-        for (std::size_t k = 0; k < 3; ++k) {
-            const auto a = std::size_t(corner[k]), b = std::size_t(corner[(k + 1) % 3]);
-            const double length = (data.mesh.vertices[a] - data.mesh.vertices[b]).norm();
-            for (const std::size_t v : {a, b}) {
-                edge_m[v] += length;
-                ++count[v];
-            }
-            if (triangle[a] < 0) triangle[a] = std::int32_t(t);
-            longest_edge_m = std::max(longest_edge_m, length);
-            sum += length;
-            ++edges;
-        }
-    }
-    around_start.assign(triangle.size() + 1, 0);
-    for (const Triangle& corner : data.boundary.triangles)
-        for (const std::int32_t v : corner) ++around_start[std::size_t(v) + 1];
-    for (std::size_t v = 0; v < triangle.size(); ++v) around_start[v + 1] += around_start[v];
-    around.resize(std::size_t(around_start.back()));
-    std::vector<std::int32_t> next(around_start.begin(), around_start.end() - 1);
-    for (std::size_t t = 0; t < data.boundary.triangles.size(); ++t)
-        for (const std::int32_t v : data.boundary.triangles[t]) around[std::size_t(next[std::size_t(v)]++)] = std::int32_t(t);
-    for (std::size_t v = 0; v < edge_m.size(); ++v) edge_m[v] = count[v] > 0 ? edge_m[v] / count[v] : 0.0;
-    mean_edge_m = edges > 0 ? sum / double(edges) : 0;
-    margin_m = kMargin * mean_edge_m;
-}
-
-namespace {
-
 /// Where the surface would end.
 void follow_surface(Body& body) {
     ContactSurface& surface = *body.contacts.surface;
@@ -333,6 +293,38 @@ void follow_surface(Body& body) {
         surface.box.include(body.state.x[i]);
     }
     surface.fitted = false;
+}
+
+/// Pairs of members whose boxes meet, both ways round, each with itself among them: sweep and prune along x.
+void find_near(World::Impl& world, std::span<Member> members) {
+    world.sweep.clear();
+    world.near.clear();
+    const auto box = [&](std::int32_t i) {
+        const ContactSurface& surface = *members[std::size_t(i)].body->contacts.surface;
+        Bounds grown = surface.box;
+        grown.grow(0.5 * surface.margin_m);
+        return grown;
+    };
+    for (std::size_t i = 0; i < members.size(); ++i) {
+        if (!members[i].body->contacts.surface) continue;
+        world.sweep.push_back(std::int32_t(i));
+        world.near.push_back({std::int32_t(i), std::int32_t(i)});
+    }
+    std::sort(world.sweep.begin(), world.sweep.end(), [&](std::int32_t a, std::int32_t b) {
+        const double x = box(a).min_m.x(), y = box(b).min_m.x();
+        return x != y ? x < y : a < b;
+    });
+    for (std::size_t i = 0; i < world.sweep.size(); ++i) {
+        const Bounds one = box(world.sweep[i]);
+        for (std::size_t j = i + 1; j < world.sweep.size(); ++j) {
+            const Bounds two = box(world.sweep[j]);
+            if (!(two.min_m.x() <= one.max_m.x())) break;
+            if (!one.overlaps(two)) continue;
+            world.near.push_back({world.sweep[i], world.sweep[j]});
+            world.near.push_back({world.sweep[j], world.sweep[i]});
+        }
+    }
+    std::sort(world.near.begin(), world.near.end());
 }
 
 /// The contacts of a body with colliders.
@@ -372,28 +364,25 @@ double weight_against(const StepContext& ctx, const Body& body, std::int32_t v) 
     return inertia + body.stiffness_trace[i] / 3;
 }
 
-void ContactSurface::fit(std::span<const Triangle> triangles, std::span<const Vec3> start) {
-    if (fitted) return;
-    fitted = true;
-    tree.refit(start, end, margin_m);
-    normal.resize(triangles.size());
-    for (std::size_t t = 0; t < triangles.size(); ++t) {
-        const Vec3& a = end[std::size_t(triangles[t][0])];
-        normal[t] = (end[std::size_t(triangles[t][1])] - a).cross(end[std::size_t(triangles[t][2])] - a).normalized();
-    }
-}
-
 void find_contacts(StepContext& ctx, std::span<Member> members) {
     World::Impl& world = ctx.world;
     refer_colliders(ctx);
     for (Member& member : members) {
         if (member.body->contacts.surface) follow_surface(*member.body);
     }
-    for (Member& member : members) {
+    find_near(world, members);
+    auto near = world.near.begin();
+    for (std::size_t i = 0; i < members.size(); ++i) {
+        Member& member = members[i];
         Body& body = *member.body;
         body.contacts.list.clear();
         if (world.living_colliders > 0) find_touching(ctx, body);
-        if (body.contacts.surface) find_body_contacts(ctx, member, members);
+        for (; near != world.near.end() && std::size_t((*near)[0]) == i; ++near) {
+            Member& other = members[std::size_t((*near)[1])];
+            if (!may_touch(world, member, other)) continue;
+            find_body_contacts(ctx, member, other);
+            if (&other >= &member) find_edge_contacts(ctx, member, other);
+        }
         if (world.living_attachments > 0) find_attachments(ctx, member, members);
         if (body.contacts.list.empty()) continue;
         sort_and_remember(world, body);

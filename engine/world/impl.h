@@ -40,6 +40,9 @@ struct World::Impl {
     DisjointSets together;                     ///< scratch of form_islands(), as is
     std::vector<std::size_t> first_at_collider;
     RowFields rows;  ///< of the solve at work
+    Island lone;                               ///< a member of an island that came apart
+    std::vector<std::int32_t> sweep;           ///< scratch of find_contacts(): members by the begin of their boxes
+    std::vector<std::array<std::int32_t, 2>> near;  ///< members whose boxes meet
     std::unique_ptr<JointSystem<float>> joint_single;   ///< made with the first island of several members
     std::unique_ptr<JointSystem<double>> joint_double;
 

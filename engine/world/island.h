@@ -1,6 +1,7 @@
 #pragma once
 #include <vector>
 
+#include "supple/solve/joint_preconditioner.h"
 #include "supple/world/body.h"
 
 namespace supple {
@@ -15,6 +16,7 @@ struct Member {
 struct Island {
     std::vector<Member> members;
     std::size_t rows = 0, elements = 0;
+    bool same_matrices = false;  ///< since the last solve only what touches has changed
 
     bool alone() const { return members.size() == 1; }
 };
@@ -30,10 +32,12 @@ struct RowFields {
 /// The system of an island of several members. Each keeps its matrix and its preconditioner.
 template <class Real>
 struct JointSystem {
-    explicit JointSystem(Isa isa) : solver(0, isa) {}
+    explicit JointSystem(Isa isa) : solver(0, isa), preconditioner(isa) {}
 
     solve::LinearSolver<Real> solver;
+    solve::JointPreconditioner<Real> preconditioner;
     std::vector<solve::SystemPart<Real>> parts;
+    std::vector<solve::JointPart<Real>> touching;  ///< the same, as the preconditioner sees them
 };
 
 }  // namespace supple

@@ -115,6 +115,7 @@ Solved solve_linearised(StepContext& ctx, Watch& watch, Island& island, bool pro
         watch.lap(ctx, Stage::elements);
     }
     for (Member& member : island.members) assemble(ctx, *member.body);
+    island.same_matrices = false;
     watch.lap(ctx, Stage::assemble);
     const Solved solved = solve_system(ctx, island, floor, tolerance, first);
     watch.lap(ctx, Stage::solve);
@@ -215,6 +216,7 @@ bool follow_supports(StepContext& ctx, Watch& watch, Island& island, double part
             for (std::size_t i = 0; i < body.vertices(); ++i) w.b[i] -= scale * w.product[i];
             assemble(ctx, body);
         }
+        island.same_matrices = false;
         watch.lap(ctx, Stage::assemble);
         const Solved solved = solve_system(ctx, island, floor, kFollowing, false);
         watch.lap(ctx, Stage::solve);

@@ -327,19 +327,22 @@ solve::LinearSolveResult solve_alone(RowExchange& exchange, Body& body, System<R
 template <class Real>
 solve::LinearSolveResult solve_together(RowExchange& exchange, JointSystem<Real>& joint, bool warm, const solve::LinearSolveDef& def) {
     StepContext& ctx = exchange.ctx;
-    const Island& island = exchange.island;
+    Island& island = exchange.island;
     joint.solver.resize(island.rows);
     bool built = false;  // a preconditioner that may break down is at work
     const auto set_parts = [&](bool simple) {
         joint.parts.clear();
+        joint.touching.clear();
         for (const Member& m : island.members) {
             Body& body = *m.body;
             System<Real>& system = std::get<System<Real>>(body.system);
             solve::Preconditioner<Real>* preconditioner = system.preconditioner.get();
+            bool jacobi = kind_at_work(body) != PreconditionerKind::direct;
             // What touches asks for many solves with little work each: there small bodies are better off with what is quickly made.
             const bool small = ctx.world.def.solver.preconditioner == PreconditionerKind::automatic && body.vertices() < kMultigridRows;
             if (!simple && !small && !works_without_build(body)) {
                 built = true;
+                jacobi = false;
                 if (kind_at_work(body) == PreconditionerKind::lattice_multigrid) {
                     turn_lattice(ctx, body, system);
                     preconditioner = system.multigrid.get();
@@ -347,11 +350,15 @@ solve::LinearSolveResult solve_together(RowExchange& exchange, JointSystem<Real>
                     preconditioner = system.laplacian.get();
                 }
             }
-            preconditioner->update(ctx.team, system.A, body.work.own_rows);
+            if (!jacobi) preconditioner->update(ctx.team, system.A, body.work.own_rows);
             joint.parts.push_back({&system.A, preconditioner, system.coupling.get(), body.work.first_row});
+            joint.touching.push_back({&system.A, body.work.first_row, jacobi ? nullptr : preconditioner, preconditioner->coupling_diagonal, body.work.y, body.owner});
         }
+        joint.preconditioner.update(ctx.team, joint.touching, ctx.world.appended, ctx.world.eliminated, island.same_matrices && !simple);
+        joint.solver.set_joint(&joint.preconditioner);
     };
     set_parts(false);
+    island.same_matrices = true;
     solve::LinearSolveResult result = exchange.run<Real>(joint.solver, joint.parts, warm, def);
     for (const Member& m : island.members) {
         std::int32_t& broken = m.body->state.solver[kMemoryBroken];  // iterations are not remembered: they are those of what touches

@@ -281,6 +281,7 @@ Solved solve_system(StepContext& ctx, Island& island, double floor, double toler
             rhs_norm = norm;
             // Once above the floor, well below it: or the next step would be above it again.
             solve_def.target = std::max(tolerance * rhs_norm, rhs_norm > floor ? 0.3 * floor : floor);
+            solve_def.energy_tolerance = rhs_norm > 0 ? solve_def.target / rhs_norm : 0;
             solve_def.max_iterations = def.cg_max_iterations;
             solve_def.deadline_ns = ctx.deadline_ns;
             solve_def.only_definite = !island.members[0].body->work.project;
@@ -292,6 +293,10 @@ Solved solve_system(StepContext& ctx, Island& island, double floor, double toler
             result.residual = free_norm(ctx, island, &Workspace::residual);
         } else {
             result = solve_preconditioned(ctx, island, warm, solve_def, first && !again, [&] { true_residual(ctx, island); });
+        }
+        if (!again) {  // later rounds go as far as the first, not as far in proportion
+            solve_def.energy_target = result.energy_target;
+            solve_def.energy_tolerance = 0;
         }
         ctx.report.cg_iterations += result.iterations;
         if (result.indefinite) return Solved::indefinite;

@@ -56,7 +56,7 @@ void transfer(const BodyState& from, const fem::ElementLayout& was, const Topolo
     inherit(from.plastic, was, delta, is, 6, to.plastic);
     to.contacts.clear();
     for (ContactMemory c : from.contacts) {
-        bool lives = true;
+        bool lives = c.vertex[2] >= -1;  // the edges of an edited body are others
         for (std::int32_t& v : c.vertex) {
             if (v < 0) continue;
             v = delta.vertex_to_new[std::size_t(v)];

@@ -26,7 +26,7 @@ void begin_body(StepContext& ctx, Member& member) {
 /// Each member by itself, as if it touched no other: the one that blew up is found so, and the others go on.
 void part_island(StepContext& ctx, Watch& watch, Island& island) {
     for (Member& member : island.members) undo_contacts(ctx, *member.body);
-    Island lone;
+    Island& lone = ctx.world.lone;
     lone.members.resize(1);
     for (Member& member : island.members) {
         fem::seed_rotations(ctx.team, member.body->layout(), member.body->state.x, member.body->state.quaternion);
