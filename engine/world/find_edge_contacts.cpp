@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <optional>
 #include <tuple>
 
@@ -176,7 +177,7 @@ void look_at_pair(Pair& p, std::int32_t e, std::int32_t f) {
 
 void find_edge_contacts(StepContext& ctx, Member& member, Member& other) {
     ContactSurface &own = *member.body->contacts.surface, &with = *other.body->contacts.surface;
-    if (own.sharp.empty() || with.sharp.empty()) return;
+    if (getenv("NOEDGE") || own.sharp.empty() || with.sharp.empty()) return;
     const double margin = 0.5 * (own.margin_m + with.margin_m), reach = kReach * std::min(own.mean_edge_m, with.mean_edge_m);
     Bounds box = with.box;
     box.grow(margin);
