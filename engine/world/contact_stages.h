@@ -16,7 +16,7 @@ void end_colliders(StepContext& ctx);
 void find_contacts(StepContext& ctx, std::span<Member> members);
 /// Those of a body with another whose box its own box meets, or with itself, where both surfaces know where they would end (ContactSurface::end).
 void find_body_contacts(StepContext& ctx, Member& member, Member& other);
-/// Those of its sharp edges with the other's; once for two bodies.
+/// Those of its sharp edges with the other's; once for two bodies, after what find_body_contacts() finds on both sides.
 void find_edge_contacts(StepContext& ctx, Member& member, Member& other);
 /// Whether two bodies, or one with itself, are to touch where they meet.
 bool may_touch(const World::Impl& world, const Member& a, const Member& b);
