@@ -322,7 +322,14 @@ std::set<FaceKey> Draft::glue(std::set<FaceKey> glued, std::set<FaceKey> torn, c
         for (const Fault& fault : faults) {
             // An edge can be crowded by faces that are glued at its ends alone.
             if (fault.other >= 0 && tear([&](const FaceKey& key) { return holds(key, fault.vertex) && holds(key, fault.other); })) continue;
-            tear([&](const FaceKey& key) { return holds(key, fault.vertex) || (fault.other >= 0 && holds(key, fault.other)); });
+            const auto at_fault = [&](const FaceKey& key) { return holds(key, fault.vertex) || (fault.other >= 0 && holds(key, fault.other)); };
+            if (tear(at_fault)) continue;
+            // A torn face whose corners were all merged at its neighbours is shut as well: it is those that have to open.
+            std::set<std::int32_t> near;
+            for (const FaceKey& key : torn)
+                if (at_fault(key)) near.insert(key.begin(), key.end());
+            near.erase(-1);
+            tear([&](const FaceKey& key) { return std::any_of(key.begin(), key.end(), [&](std::int32_t v) { return near.contains(v); }); });
         }
         if (!changed) return glued;
     }
