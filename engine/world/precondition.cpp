@@ -17,8 +17,8 @@ constexpr std::int32_t kTrialEvery = 50;       // solves between two trials of b
 constexpr std::int32_t kSlowSolves = 5;        // in a row, before the hierarchy is built anew
 constexpr int kTellingIterations = 4;          // fewer say nothing about a hierarchy
 constexpr std::int32_t kStepsToBuild = 16;     // a hierarchy takes about five steps' time on a thread of its own, more where the cores are busy
-constexpr std::int32_t kStepsAfterEdit = 8;    // the same where one of before an edit stands in, which should not be for long
-constexpr std::int32_t kStepsToWaitFor = 4;    // another edit waits for a hierarchy that is so near; one that is farther off is given up
+constexpr std::int32_t kStepsAfterEdit = 6;    // the same where one of before an edit stands in, which should not be for long
+constexpr std::int32_t kStepsToWaitFor = 3;    // another edit waits for a hierarchy that is so near; one that is farther off is given up
 constexpr std::int32_t kBrokenSolves = 100;    // before a preconditioner that broke down gets another chance
 
 PreconditionerKind kind_at_work(const Body& body) { return PreconditionerKind(body.state.solver[kMemoryKind]); }
