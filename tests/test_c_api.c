@@ -301,6 +301,34 @@ static void test_edits(const SuppleBodyDef* bar) {
     CHECK(supple_world_element_count(world, body, &after) == SUPPLE_OK && after == before);
     CHECK(supple_world_undo_edit(world, body, &undone) == SUPPLE_OK && undone == 0);
     CHECK(supple_world_cut(world, body, from, to, 2, NULL) == SUPPLE_OK);
+    CHECK(supple_world_heal(world, body, 0.01, &touched) == SUPPLE_OK && touched > 0);
+    CHECK(supple_world_piece_count(world, body, &pieces) == SUPPLE_OK && pieces == 1);
+    CHECK_FAILS(supple_world_heal(world, body, 0, NULL), SUPPLE_INVALID_ARGUMENT, "gap_m");
+    {   /* a tet on a triangle of the surface */
+        static int32_t surface[3 * 4096];
+        static double x[3 * 4096];
+        size_t n = 0, count = 0;
+        double tip[3], u[3], v[3];
+        int32_t tet[4];
+        int k;
+        CHECK(supple_world_vertex_count(world, body, &n) == SUPPLE_OK && n <= 4096);
+        CHECK(supple_world_positions(world, body, x, 3 * n) == SUPPLE_OK);
+        CHECK(supple_world_triangle_count(world, body, &count) == SUPPLE_OK && count <= 4096);
+        CHECK(supple_world_triangles(world, body, surface, 3 * count) == SUPPLE_OK);
+        for (k = 0; k < 3; ++k) {
+            u[k] = x[3 * surface[1] + k] - x[3 * surface[0] + k];
+            v[k] = x[3 * surface[2] + k] - x[3 * surface[0] + k];
+            tet[k] = surface[k];
+        }
+        tet[3] = (int32_t)n;
+        for (k = 0; k < 3; ++k) tip[k] = x[3 * surface[0] + k] + 10 * (u[(k + 1) % 3] * v[(k + 2) % 3] - u[(k + 2) % 3] * v[(k + 1) % 3]);
+        CHECK(supple_world_element_count(world, body, &before) == SUPPLE_OK);
+        CHECK(supple_world_add_tets(world, body, tip, 1, tet, 1, 0) == SUPPLE_OK);
+        CHECK(supple_world_element_count(world, body, &after) == SUPPLE_OK && after == before + 1);
+        CHECK_FAILS(supple_world_add_tets(world, body, tip, 1, tet, 1, 1000000), SUPPLE_INVALID_ARGUMENT, "source");
+        CHECK(supple_world_undo_edit(world, body, &undone) == SUPPLE_OK && undone == 1);
+    }
+    CHECK(supple_world_undo_edit(world, body, &undone) == SUPPLE_OK && undone == 1);
     CHECK(supple_world_split_off_pieces(world, body, &piece, 1, &made) == SUPPLE_OK && made == 1);
     CHECK(supple_world_piece_count(world, piece, &pieces) == SUPPLE_OK && pieces == 1);
     CHECK(supple_world_remove_elements(world, body, one, 1, &touched) == SUPPLE_OK && touched >= 1);

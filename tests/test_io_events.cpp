@@ -33,10 +33,25 @@ TEST(IoEvents, CutsAndErasuresHappenWhenTheFileSays) {
     EXPECT_LT(world.shape(body).mesh().element_count(), before);
 }
 
+TEST(IoEvents, ACutIsHealedWhenTheFileSays) {
+    const io::Scene scene = parse(R"([{"cut": {"from_m": [[0.213, 0.2, -1], [0.213, 0.2, 1]], "to_m": [[0.213, -0.2, -1], [0.213, -0.2, 1]], "times_s": 0.02}},
+                                      {"heal": {"body": "bar", "gap_m": 0.01, "centre_m": [0.2, 0.05, 0.05], "radius_m": 0.2, "time_s": 0.05}}])");
+    World world = io::build_world(scene);
+    const EditScript script = io::make_edits(scene, world);
+    for (int i = 0; i < 8; ++i) {
+        script.before_step(world);
+        world.step();
+        EXPECT_EQ(world.pieces(world.bodies()[0]).size(), i < 2 || i >= 5 ? 1u : 2u) << "before step " << i;
+    }
+}
+
 TEST(IoEvents, MistakesAreNamed) {
     const auto refused = [](const std::string& text, const std::string& events) { supple_test::expect_error(ErrorCode::parse, text, [&] { parse(events); }); };
     const std::string blade = R"("from_m": [[0, 0, 0], [1, 0, 0]], "to_m": [[0, 1, 0], [1, 1, 0]])";
-    refused("either a \"cut\" or an \"erase\"", "[{}]");
+    refused("either a \"cut\", an \"erase\" or a \"heal\"", "[{}]");
+    refused("/events/0/heal", R"([{"heal": {"gap_m": 0.1}}])");
+    refused("gap_m", R"([{"heal": {"gap_m": 0, "time_s": 1}}])");
+    refused("both centre_m and radius_m", R"([{"heal": {"radius_m": 1, "time_s": 1}}])");
     refused("two points or more", R"([{"cut": {"from_m": [[0, 0, 0]], "to_m": [[0, 0, 0]], "times_s": 1}}])");
     refused("as many points", R"([{"cut": {"from_m": [[0, 0, 0], [1, 0, 0]], "to_m": [[0, 0, 0], [1, 0, 0], [2, 0, 0]], "times_s": 1}}])");
     refused("ends before it begins", "[{\"cut\": {" + blade + ", \"times_s\": [2, 1]}}]");

@@ -2,6 +2,7 @@
 #include "support/bodies.h"
 #include "support/edits.h"
 #include "supple/mesh/embedding.h"
+#include "supple/mesh/mesh_grow.h"
 
 namespace supple {
 namespace {
@@ -78,8 +79,75 @@ MeshEdit random_edit(const VolumeMesh& m, test::Random& random) {
 
 constexpr double kLeastRatio = 0.05;
 
+/// What random edits did.
+struct EditCounts {
+    std::size_t opened = 0, glued = 0, pinched = 0, filled = 0, refused = 0;
+};
+
+/// After heal() and add_elements(): what was stays, at its place.
+void expect_kept(const VolumeMesh& before, const MeshEdit& edit) {
+    ASSERT_EQ(edit.delta.vertex_to_new.size(), before.vertices.size());
+    for (std::size_t v = 0; v < before.vertices.size(); ++v) {
+        const std::int32_t now = edit.delta.vertex_to_new[v];
+        ASSERT_GE(now, 0);
+        ASSERT_EQ(edit.mesh.vertices[std::size_t(now)], before.vertices[v]);
+        const auto& p = edit.delta.vertex_parents[std::size_t(now)].vertex;
+        ASSERT_TRUE(std::find(p.begin(), p.end(), std::int32_t(v)) != p.end());
+    }
+    for (std::size_t e = 0; e < before.element_count(); ++e) {
+        const std::int32_t now = edit.delta.element_to_new[e];
+        ASSERT_GE(now, 0);
+        const auto was = element_vertices(before, std::int32_t(e)), is = element_vertices(edit.mesh, now);
+        for (std::size_t a = 0; a < was.size(); ++a) ASSERT_EQ(is[a], edit.delta.vertex_to_new[std::size_t(was[a])]);
+    }
+    expect_manifold(edit.mesh);
+}
+
+/// Lips of `m` in a random ball, some of them too far apart, are glued.
+MeshEdit random_heal(const VolumeMesh& m, test::Random& random, EditCounts& counts) {
+    std::vector<Vec3> x = m.vertices;
+    for (Vec3& p : x) p += random.vector(0.05);
+    const std::vector<double> weight(x.size(), 1.0);
+    HealReport report;
+    MeshEdit edit = heal(m, x, weight, {.gap_m = random.uniform(0.03, 0.2), .centre_m = x[std::size_t(random.uniform(0, double(x.size())))], .radius_m = random.uniform(0.5, 6)}, &report);
+    counts.glued += report.faces;
+    counts.pinched += report.left;
+    return edit;
+}
+
+/// Some of what an erasure took is put back; refused where the surface would touch itself.
+MeshEdit random_filling(const VolumeMesh& before, const MeshEdit& erased, test::Random& random, EditCounts& counts) {
+    AddedElements added;
+    std::vector<std::int32_t> number = erased.delta.vertex_to_new;
+    const auto named = [&](auto element) {
+        for (std::int32_t& v : element) {
+            if (number[std::size_t(v)] < 0) {
+                number[std::size_t(v)] = std::int32_t(erased.mesh.vertices.size() + added.vertices.size());
+                added.vertices.push_back(before.vertices[std::size_t(v)]);
+            }
+            v = number[std::size_t(v)];
+        }
+        return element;
+    };
+    const bool all = random.uniform(0, 1) < 0.7;
+    for (const std::int32_t e : erased.delta.removed_elements()) {
+        if (!all && random.uniform(0, 1) < 0.5) continue;
+        if (std::size_t(e) < before.tets.size()) added.tets.push_back(named(before.tets[std::size_t(e)]));
+        else added.hexes.push_back(named(before.hexes[std::size_t(e) - before.tets.size()]));
+    }
+    added.source = {0};
+    try {
+        MeshEdit edit = add_elements(erased.mesh, added);
+        counts.filled += added.tets.size() + added.hexes.size();
+        return edit;
+    } catch (const Error& error) {
+        ++counts.refused;
+        return {erased.mesh, identity_delta(erased.mesh)};
+    }
+}
+
 /// Edits of one mesh one after the other, each checked.
-void run_edits(int kind, std::uint64_t seed, int edits) {
+void run_edits(int kind, std::uint64_t seed, int edits, EditCounts& counts) {
     VolumeMesh m = edit_mesh(kind);
     expect_manifold(m);
     const VolumeMesh original = m;
@@ -99,25 +167,47 @@ void run_edits(int kind, std::uint64_t seed, int edits) {
         if (!m.tets.empty()) {
             ASSERT_GE(tet_mesh_quality(edit.mesh).min_radius_ratio, std::min(kLeastRatio, worst_at_start) * (1 - 1e-9));
         }
+        ++counts.opened;
+        if (random.uniform(0, 1) < 0.3) {
+            const double volume = total_volume(edit.mesh), chance = random.uniform(0, 1);
+            const MeshEdit closed = chance < 0.5 || edit.delta.removed_elements().empty() ? random_heal(edit.mesh, random, counts) : random_filling(m, edit, random, counts);
+            SCOPED_TRACE(chance < 0.5 || edit.delta.removed_elements().empty() ? "healed" : "filled");
+            expect_kept(edit.mesh, closed);
+            if (testing::Test::HasFatalFailure()) return;
+            ASSERT_GE(total_volume(closed.mesh), volume * (1 - 1e-12));
+            const TopologyDelta both = compose(edit.delta, closed.delta);
+            ASSERT_EQ(both.vertex_parents.size(), closed.mesh.vertices.size());
+            ASSERT_EQ(both.element_parent.size(), closed.mesh.element_count());
+            if (seed % 2 == 1) {  // goes on from there; of the others the maps of all edits are composed
+                m = closed.mesh;
+                continue;
+            }
+        }
         all = compose(all, edit.delta);
         m = std::move(edit.mesh);
         if (4 * total_volume(m) < total_volume(original)) break;
     }
-    expect_consistent(original, {m, all}, true);
+    if (seed % 2 == 0) expect_consistent(original, {m, all}, true);
 }
 
 TEST(TopologyMesh, RandomEditsKeepVolumeQualityMapsAndAClosedSurface) {
+    EditCounts counts;
     for (int kind = 0; kind < 10; ++kind)
-        for (std::uint64_t seed = 100; seed < 103; ++seed) run_edits(kind, seed, 10);
+        for (std::uint64_t seed = 100; seed < 103; ++seed) run_edits(kind, seed, 10, counts);
+    EXPECT_GT(counts.glued, 100u);
+    EXPECT_GT(counts.filled, 10u);
 }
 
 // 10 meshes, seeds 1000 .. 1099, ten edits each: 10,000.
 TEST(SlowTopologyMesh, TenThousandRandomEdits) {
+    EditCounts counts;
     for (int kind = 0; kind < 10; ++kind)
         for (std::uint64_t seed = 1000; seed < 1100; ++seed) {
-            run_edits(kind, seed, 10);
+            run_edits(kind, seed, 10, counts);
             if (HasFatalFailure()) return;
         }
+    std::printf("%zu cuts, tears and erasures; faces glued %zu, left open at pinches %zu; elements put back %zu, refused %zu times\n", counts.opened, counts.glued, counts.pinched,
+                counts.filled, counts.refused);
 }
 
 TEST(TopologyMesh, ACutThroughMakesTwoPiecesOfTheVolumesOnBothSides) {

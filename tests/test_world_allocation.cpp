@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <malloc.h>
 #include <cstdlib>
 #include <new>
 
@@ -17,7 +18,7 @@
 
 namespace {
 std::atomic<bool> counting{false};
-std::atomic<long> allocations{0}, releases{0};
+std::atomic<long> allocations{0}, releases{0}, live_bytes{0};  // the last of all memory, counted or not
 }  // namespace
 
 #if SUPPLE_OWN_ALLOCATOR
@@ -27,9 +28,11 @@ void* counted(std::size_t size, std::size_t alignment) {
     const std::size_t rounded = (size + alignment - 1) / alignment * alignment;
     void* p = alignment <= alignof(std::max_align_t) ? std::malloc(size == 0 ? 1 : size) : std::aligned_alloc(alignment, rounded == 0 ? alignment : rounded);
     if (p == nullptr) throw std::bad_alloc();
+    live_bytes.fetch_add(long(malloc_usable_size(p)), std::memory_order_relaxed);
     return p;
 }
 void released(void* p) {
+    if (p != nullptr) live_bytes.fetch_sub(long(malloc_usable_size(p)), std::memory_order_relaxed);
     if (p != nullptr && counting.load(std::memory_order_relaxed)) releases.fetch_add(1, std::memory_order_relaxed);
     std::free(p);
 }
@@ -214,6 +217,85 @@ TEST(WorldAllocation, AStepInContactAllocatesOnlyWhenThereAreMoreContactsThanEve
     EXPECT_EQ(world.step().contact_bytes, bytes) << "contact memory grew: choose a longer start";
     EXPECT_EQ(count, 0);
     EXPECT_GT(world.contacts().size(), 20u);
+}
+
+/// The most memory in use after any of some cycles.
+template <class Cycle>
+long most_bytes(int cycles, Cycle&& cycle) {
+    long most = 0;
+    for (int i = 0; i < cycles; ++i) {
+        cycle();
+        most = std::max(most, live_bytes.load());
+    }
+    return most;
+}
+
+TEST(WorldMemory, HundredsOfEditsOfABodyTakeNoMoreThanTheFirst) {
+    if (skipped()) return;
+    World world({.time_step_s = 0.01, .threads = 1});
+    const BodyId body = world.add_body({.shape = test::bar({8, 2, 2}), .material = Corotational{.young_pa = 1e5, .poisson = 0.4}});
+    world.fix(body, test::at_x(0));
+    world.add_collider({.shape = PlaneShape{{0, 1, 0}, -0.002}});
+    for (int i = 0; i < 100; ++i) world.step();  // it lies on the plane: the most contacts have been there
+    const VolumeMesh original = world.shape(body).mesh();
+    const auto settle = [&] {
+        for (int i = 0; i < 2; ++i) world.step();
+    };
+    const auto tip = [&] {  // elements at the far end: their numbers wander as they go and come back
+        std::vector<std::int32_t> out;
+        const VolumeMesh& m = world.shape(body).mesh();
+        for (std::size_t e = 0; e < m.tets.size(); ++e)
+            if (std::any_of(m.tets[e].begin(), m.tets[e].end(), [&](std::int32_t v) { return m.vertices[std::size_t(v)].x() > 0.399; })) out.push_back(std::int32_t(e));
+        return out;
+    };
+    const auto erase_and_undo = [&] {
+        world.remove_elements(body, tip());
+        settle();
+        world.undo_edit(body);
+        settle();
+    };
+    const auto erase_and_add = [&] {
+        const VolumeMesh before = world.shape(body).mesh();
+        const TopologyDelta gone = world.remove_elements(body, tip());
+        const auto kept = std::int32_t(world.shape(body).mesh().vertices.size());
+        settle();
+        AddedElements back;
+        std::vector<std::int32_t> number = gone.vertex_to_new;
+        for (const std::int32_t e : gone.removed_elements()) {
+            Tet t = before.tets[std::size_t(e)];
+            for (std::int32_t& v : t) {
+                if (number[std::size_t(v)] < 0) {
+                    number[std::size_t(v)] = kept + std::int32_t(back.vertices.size());
+                    back.vertices.push_back(before.vertices[std::size_t(v)]);
+                }
+                v = number[std::size_t(v)];
+            }
+            back.tets.push_back(t);
+        }
+        back.source = {0};
+        world.add_elements(body, back);
+        settle();
+        ASSERT_EQ(world.shape(body).mesh().tets.size(), original.tets.size());
+    };
+    const auto cut_and_heal = [&] {
+        world.cut(body, swept_blade(std::vector<Vec3>{{0.2, -1, -1}, {0.2, -1, 1}}, std::vector<Vec3>{{0.2, 1, -1}, {0.2, 1, 1}}), {.snap = 0.5});
+        settle();
+        world.heal(body, {.gap_m = 0.2});
+        settle();
+        ASSERT_EQ(world.shape(body).mesh().vertices.size(), original.vertices.size());
+    };
+    const auto check = [&](const char* what, auto&& cycle) {
+        SCOPED_TRACE(what);
+        most_bytes(20, cycle);  // the steps that can be undone are as many as they may be
+        const long early = most_bytes(20, cycle);
+        most_bytes(100, cycle);
+        const long late = most_bytes(20, cycle);
+        std::printf("%s: %ld bytes after 40 cycles, %ld after 160\n", what, early, late);
+        EXPECT_LE(late, early + early / 500);
+    };
+    check("erase and undo", erase_and_undo);
+    check("erase and add", erase_and_add);
+    check("cut and heal", cut_and_heal);
 }
 
 }  // namespace

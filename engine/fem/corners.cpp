@@ -25,31 +25,58 @@ ElementMap make_element_map(const VolumeMesh& mesh) {
 }
 
 CornerSums make_corner_sums(const Tet4Rest& rest, std::size_t chunk) {
+    // In a chunk places come by count, of one count by vertex; counting sorts, since a mesh under the knife asks for it in every frame.
+    const std::size_t corners = rest.elements * 4, chunks = (rest.blocks() + chunk - 1) / chunk;
+    const auto vertex_of = [&](std::size_t corner) {
+        const std::size_t i = corner / 4;
+        return rest.vertex[(i / kBlock * 4 + corner % 4) * kBlock + i % kBlock];
+    };
+    const auto chunk_of = [&](std::uint32_t corner) { return corner / 4 / (chunk * kBlock); };
+    std::vector<std::uint32_t> start(rest.vertices + 1, 0), at_vertex(corners);
+    for (std::size_t c = 0; c < corners; ++c) ++start[std::size_t(vertex_of(c)) + 1];
+    for (std::size_t v = 0; v < rest.vertices; ++v) start[v + 1] += start[v];
+    std::vector<std::uint32_t> next(start.begin(), start.end() - 1);
+    for (std::size_t c = 0; c < corners; ++c) at_vertex[next[std::size_t(vertex_of(c))]++] = std::uint32_t(c);
+    struct Place {
+        std::int32_t vertex;
+        std::uint32_t first, count;  ///< in at_vertex
+    };
+    std::vector<Place> found, in_chunks;  // by vertex; by chunk and vertex
     CornerSums sums;
     sums.chunk = chunk;
-    std::vector<std::pair<std::int32_t, std::uint16_t>> corners;  // vertex, number of the corner
-    for (std::size_t begin = 0; begin < rest.blocks(); begin += chunk) {
-        sums.first.push_back(std::uint32_t(sums.vertex.size()));
-        corners.clear();
-        for (std::size_t i = begin * kBlock; i < std::min((begin + chunk) * kBlock, rest.elements); ++i) {
-            for (std::size_t a = 0; a < 4; ++a) {
-                corners.emplace_back(rest.vertex[(i / kBlock * 4 + a) * kBlock + i % kBlock], std::uint16_t((i - begin * kBlock) * 4 + a));
-            }
-        }
-        std::sort(corners.begin(), corners.end());
-        std::vector<std::pair<std::uint16_t, std::size_t>> places;  // count, first of its corners
-        for (std::size_t k = 0; k < corners.size(); ++k) {
-            if (k == 0 || corners[k].first != corners[k - 1].first) places.emplace_back(std::uint16_t(0), k);
-            ++places.back().first;
-        }
-        std::sort(places.begin(), places.end());
-        for (const auto& [count, k] : places) {
-            sums.vertex.push_back(corners[k].first);
-            sums.count.push_back(count);
-            for (std::size_t c = k; c < k + count; ++c) sums.corner.push_back(corners[c].second);
+    sums.first.assign(chunks + 1, 0);
+    for (std::size_t v = 0; v < rest.vertices; ++v) {
+        for (std::uint32_t k = start[v]; k < start[v + 1];) {
+            std::uint32_t end = k + 1;
+            while (end < start[v + 1] && chunk_of(at_vertex[end]) == chunk_of(at_vertex[k])) ++end;
+            found.push_back({std::int32_t(v), k, end - k});
+            ++sums.first[chunk_of(at_vertex[k]) + 1];
+            k = end;
         }
     }
-    sums.first.push_back(std::uint32_t(sums.vertex.size()));
+    for (std::size_t c = 0; c < chunks; ++c) sums.first[c + 1] += sums.first[c];
+    in_chunks.resize(found.size());
+    next.assign(sums.first.begin(), sums.first.end() - 1);
+    for (const Place& place : found) in_chunks[next[chunk_of(at_vertex[place.first])]++] = place;
+    sums.vertex.reserve(found.size());
+    sums.count.reserve(found.size());
+    sums.corner.reserve(corners);
+    std::vector<std::uint32_t> of_count, order;
+    for (std::size_t c = 0; c < chunks; ++c) {
+        const std::span<const Place> places(in_chunks.data() + sums.first[c], sums.first[c + 1] - sums.first[c]);
+        std::uint32_t most = 0;
+        for (const Place& place : places) most = std::max(most, place.count);
+        of_count.assign(most + 2, 0);
+        for (const Place& place : places) ++of_count[place.count + 1];
+        for (std::size_t k = 0; k + 1 < of_count.size(); ++k) of_count[k + 1] += of_count[k];
+        order.resize(places.size());
+        for (std::size_t k = 0; k < places.size(); ++k) order[of_count[places[k].count]++] = std::uint32_t(k);
+        for (const std::uint32_t k : order) {
+            sums.vertex.push_back(places[k].vertex);
+            sums.count.push_back(std::uint16_t(places[k].count));
+            for (std::uint32_t i = 0; i < places[k].count; ++i) sums.corner.push_back(std::uint16_t(at_vertex[places[k].first + i] - c * chunk * kBlock * 4));
+        }
+    }
     return sums;
 }
 

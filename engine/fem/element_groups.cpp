@@ -110,8 +110,14 @@ Lame ElementMaterials::lame_of(std::size_t element) const {
 }
 
 std::vector<Lame> group_lame(const ElementGroup& group, const ElementMaterials& materials) {
-    std::vector<Lame> lame;
-    for (const std::int32_t e : group.element) lame.push_back(materials.lame_of(std::size_t(e)));
+    std::vector<Lame> of_material, lame;  // of each material once: bodies under the knife are made again and again
+    for (const Material& material : materials.materials) of_material.push_back(small_strain(material));
+    lame.reserve(group.element.size());
+    for (const std::int32_t e : group.element) {
+        const Lame& l = of_material[materials.index(std::size_t(e))];
+        const double factor = materials.factor(std::size_t(e));
+        lame.push_back({factor * l.lambda_pa, factor * l.mu_pa});
+    }
     return lame;
 }
 
@@ -133,6 +139,7 @@ const double* PlasticFlow::parameters(double h) {
 }
 
 PlasticFlow group_plasticity(const ElementGroup& group, const ElementMaterials& materials) {
+    if (std::none_of(materials.materials.begin(), materials.materials.end(), [](const Material& m) { return plasticity_of(m).flows(); })) return PlasticFlow({});
     std::vector<Plasticity> plasticity;
     for (const std::int32_t e : group.element) plasticity.push_back(plasticity_of(materials.of(std::size_t(e))));
     return PlasticFlow(std::move(plasticity));

@@ -1,6 +1,7 @@
 #include "supple/fem/element_layout.h"
 
 #include <algorithm>
+#include <numeric>
 
 #include "supple/base/assert.h"
 #include "supple/fem/element_passes.h"
@@ -15,8 +16,15 @@ namespace {
 /// The elements [first, last) of the mesh, one group per family in the order in which the families appear.
 void add_groups(ElementKind kind, std::size_t first, std::size_t last, std::span<const std::int32_t> family, std::vector<ElementGroup>& groups) {
     const std::size_t begin = groups.size();
+    if (family.empty() && first < last) {
+        groups.emplace_back();
+        groups.back().kind = kind;
+        groups.back().element.resize(last - first);
+        std::iota(groups.back().element.begin(), groups.back().element.end(), std::int32_t(first));
+        return;
+    }
     for (std::size_t e = first; e < last; ++e) {
-        const std::int32_t f = family.empty() ? 0 : family[e];
+        const std::int32_t f = family[e];
         auto group = std::find_if(groups.begin() + std::ptrdiff_t(begin), groups.end(), [&](const ElementGroup& g) { return g.family == f; });
         if (group == groups.end()) {
             groups.emplace_back();
@@ -41,11 +49,32 @@ void sort_by_place(const VolumeMesh& mesh, std::span<const std::int32_t> place, 
     for (std::size_t i = 0; i < elements.size(); ++i) elements[i] = keyed[i].second;
 }
 
-void fill_rest(const VolumeMesh& mesh, ElementGroup& group) {
+/// What a layout can take over from the one before an edit.
+struct Before {
+    const ElementLayout* layout = nullptr;  ///< null: nothing
+    std::span<const std::int32_t> old_element;
+
+    const ElementGroup* group(ElementKind kind) const {
+        if (layout == nullptr) return nullptr;
+        const auto found = std::find_if(layout->groups.begin(), layout->groups.end(), [&](const ElementGroup& g) { return g.kind == kind; });
+        return found == layout->groups.end() ? nullptr : &*found;
+    }
+};
+
+void fill_rest(const VolumeMesh& mesh, ElementGroup& group, const Before& before) {
+    const ElementGroup* was = before.group(group.kind);
+    std::vector<std::int32_t> old;  // in the group
+    if (was != nullptr) {
+        old.reserve(group.element.size());
+        for (const std::int32_t e : group.element) {
+            const std::int32_t one = before.old_element[std::size_t(e)];
+            old.push_back(one < 0 ? -1 : std::int32_t(before.layout->slot[std::size_t(one)] - was->first_block * kBlock));
+        }
+    }
     if (group.kind == ElementKind::tet) {
         std::vector<Tet> tets;
         for (const std::int32_t e : group.element) tets.push_back(mesh.tets[std::size_t(e)]);
-        group.tets = make_rest(mesh.vertices, tets);
+        group.tets = make_rest(mesh.vertices, tets, was == nullptr ? nullptr : &was->tets, old);
         return;
     }
     std::vector<Hex> hexes;
@@ -54,7 +83,7 @@ void fill_rest(const VolumeMesh& mesh, ElementGroup& group) {
         numbers.push_back(e - std::int32_t(mesh.tets.size()));
         hexes.push_back(mesh.hexes[std::size_t(numbers.back())]);
     }
-    group.hexes = make_hex_rest(mesh.vertices, hexes, numbers, mesh.source.empty() ? "mesh" : mesh.source);
+    group.hexes = make_hex_rest(mesh.vertices, hexes, numbers, mesh.source.empty() ? "mesh" : mesh.source, was == nullptr ? nullptr : &was->hexes, old);
 }
 
 /// Calls visit(vertex, place) for every value that is summed at a vertex, group by group.
@@ -83,9 +112,7 @@ PlaceMap make_places(const VolumeMesh& mesh, const ElementLayout& layout) {
     return map;
 }
 
-}  // namespace
-
-ElementLayout make_layout(const VolumeMesh& mesh, std::span<const std::int32_t> family, std::span<const std::int32_t> place) {
+ElementLayout lay_out(const VolumeMesh& mesh, std::span<const std::int32_t> family, std::span<const std::int32_t> place, const Before& before) {
     ElementLayout layout;
     layout.elements = mesh.element_count();
     layout.vertices = mesh.vertices.size();
@@ -95,7 +122,7 @@ ElementLayout make_layout(const VolumeMesh& mesh, std::span<const std::int32_t> 
     layout.volume.resize(layout.elements);
     for (ElementGroup& group : layout.groups) {
         if (!place.empty()) sort_by_place(mesh, place, group.element);
-        fill_rest(mesh, group);
+        fill_rest(mesh, group, before);
         group.first_block = layout.blocks;
         group.first_place = layout.places;
         layout.blocks += group.blocks();
@@ -110,6 +137,14 @@ ElementLayout make_layout(const VolumeMesh& mesh, std::span<const std::int32_t> 
     layout.around = make_element_map(mesh);
     layout.forces = make_places(mesh, layout);
     return layout;
+}
+
+}  // namespace
+
+ElementLayout make_layout(const VolumeMesh& mesh, std::span<const std::int32_t> family, std::span<const std::int32_t> place) { return lay_out(mesh, family, place, {}); }
+
+ElementLayout follow_layout(const VolumeMesh& mesh, std::span<const std::int32_t> place, const ElementLayout& before, std::span<const std::int32_t> old_element) {
+    return lay_out(mesh, {}, place, {&before, old_element});
 }
 
 std::size_t corner_volumes(const VolumeMesh& mesh, std::size_t element, double share[8]) {

@@ -44,6 +44,10 @@ struct ElementLayout {
 /// @param place   [vertex] in an order that keeps neighbours together: elements lie by the first of their corners there; empty: in the order of the mesh
 /// @param mesh    checked (check_and_repair); @error Error(invalid_argument) for a hexahedron that is folded at an integration point
 ElementLayout make_layout(const VolumeMesh& mesh, std::span<const std::int32_t> family = {}, std::span<const std::int32_t> place = {});
+/// make_layout(mesh, {}, place) after an edit: rest shapes of elements that are the same are copied.
+/// @param before       layout of the mesh before, one family
+/// @param old_element  [element] the one that it was in the mesh before, or -1
+ElementLayout follow_layout(const VolumeMesh& mesh, std::span<const std::int32_t> place, const ElementLayout& before, std::span<const std::int32_t> old_element);
 
 /// Volume of an element that each of its corners carries: a quarter of a tet, the integral of the shape function in a hex [m^3]. They sum to its volume.
 /// @param share  out, 4 or 8 numbers. Returns how many.

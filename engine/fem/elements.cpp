@@ -52,12 +52,7 @@ public:
             if (exact) twist_d_.resize(lanes * kTwistRecord);
         }
         if (def.precision == MatrixPrecision::none) return;
-        laplacian_.assign(def.pattern.blocks(), 0.0);
-        for (std::size_t b = 0; b < laplacian_.size(); ++b) {
-            for (std::int64_t i = def.contributions.start[b]; i < def.contributions.start[b + 1]; ++i) {
-                laplacian_[b] += laplacian_entry(set_.rest, moduli_, def.contributions.pair[std::size_t(i)]);
-            }
-        }
+        laplacian_ = laplacian_entries(set_.rest, moduli_, def.contributions.start, def.contributions.pair);
     }
 
     void evaluate(Team& team, const double* position, double* quaternion, const ElementOutputs& outputs) override {

@@ -33,7 +33,9 @@ struct Hex8Rest {
 };
 
 /// @error Error(invalid_argument) naming the first element (from first_number on) whose Jacobian is not positive at an integration point
-Hex8Rest make_hex_rest(std::span<const Vec3> vertices, std::span<const Hex> hexes, std::span<const std::int32_t> numbers, const std::string& where);
+/// @param before, old  where a hex is the same as old[i] of `before` (-1: none), its rest shape is copied
+Hex8Rest make_hex_rest(std::span<const Vec3> vertices, std::span<const Hex> hexes, std::span<const std::int32_t> numbers, const std::string& where,
+                       const Hex8Rest* before = nullptr, std::span<const std::int32_t> old = {});
 
 /// Adds the trace of the diagonal stiffness block of each vertex at rest, fully integrated [N/m]. lame: one per element.
 void add_stiffness_trace(const Hex8Rest& rest, std::span<const Lame> lame, std::span<double> trace);

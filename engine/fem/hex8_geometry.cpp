@@ -55,7 +55,8 @@ void require_unfolded(const HexPoint& point, const std::string& where, std::int3
 
 }  // namespace
 
-Hex8Rest make_hex_rest(std::span<const Vec3> vertices, std::span<const Hex> hexes, std::span<const std::int32_t> numbers, const std::string& where) {
+Hex8Rest make_hex_rest(std::span<const Vec3> vertices, std::span<const Hex> hexes, std::span<const std::int32_t> numbers, const std::string& where,
+                       const Hex8Rest* before, std::span<const std::int32_t> old) {
     Hex8Rest rest;
     rest.elements = hexes.size();
     const std::size_t blocks = rest.blocks();
@@ -66,6 +67,16 @@ Hex8Rest make_hex_rest(std::span<const Vec3> vertices, std::span<const Hex> hexe
     for (std::size_t i = 0; i < blocks * kBlock; ++i) {
         const bool tail = i >= hexes.size();
         const std::size_t element = tail ? hexes.size() - 1 : i;
+        if (before != nullptr && !tail && old[i] >= 0) {
+            const std::size_t block = i / kBlock, lane = i % kBlock, was = std::size_t(old[i]), from = was / kBlock, from_lane = was % kBlock;
+            for (std::size_t a = 0; a < 8; ++a) rest.vertex[(block * 8 + a) * kBlock + lane] = hexes[i][a];
+            for (std::size_t k = 0; k < 21; ++k) {
+                rest.edge[(block * 21 + k) * kBlock + lane] = before->edge[(from * 21 + k) * kBlock + from_lane];
+                rest.gradient[(block * 21 + k) * kBlock + lane] = before->gradient[(from * 21 + k) * kBlock + from_lane];
+            }
+            rest.volume[i] = before->volume[was];
+            continue;
+        }
         const HexShape X = hex_shape(vertices, hexes[element]);
         require_unfolded(hex_point(X, Vec3::Zero()), where, numbers[element], "at its centre");
         double volume = 0;

@@ -2,12 +2,13 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 
 #include "supple/base/assert.h"
 
 namespace supple::fem {
 
-Tet4Rest make_rest(std::span<const Vec3> vertices, std::span<const Tet> tets) {
+Tet4Rest make_rest(std::span<const Vec3> vertices, std::span<const Tet> tets, const Tet4Rest* before, std::span<const std::int32_t> old) {
     Tet4Rest rest;
     rest.elements = tets.size();
     rest.vertices = vertices.size();
@@ -20,6 +21,14 @@ Tet4Rest make_rest(std::span<const Vec3> vertices, std::span<const Tet> tets) {
         const Tet& tet = tets[tail ? tets.size() - 1 : i];
         const std::size_t block = i / kBlock, lane = i % kBlock;
         for (std::size_t a = 0; a < 4; ++a) rest.vertex[(block * 4 + a) * kBlock + lane] = tet[a];
+        if (before != nullptr && !tail && old[i] >= 0) {
+            const std::size_t was = std::size_t(old[i]);
+            const double* from = before->gradient.data() + was / kBlock * 9 * kBlock + was % kBlock;
+            double* to = rest.gradient.data() + block * 9 * kBlock + lane;
+            for (std::size_t k = 0; k < 9; ++k) to[k * kBlock] = from[k * kBlock];
+            rest.volume[i] = before->volume[was];
+            continue;
+        }
         Mat3 Dm;  // columns: rest edges from corner 0
         for (int k = 0; k < 3; ++k) Dm.col(k) = vertices[std::size_t(tet[std::size_t(k) + 1])] - vertices[std::size_t(tet[0])];
         const double det = Dm.determinant();
@@ -60,6 +69,28 @@ double laplacian_entry(const Tet4Rest& rest, std::span<const double> moduli, std
     const std::size_t element = pair >> 4;
     return modulus(moduli, element, 1) * rest.volume[element] *
            rest_gradient(rest, element, (pair >> 2) & 3).dot(rest_gradient(rest, element, pair & 3));
+}
+
+std::vector<double> laplacian_entries(const Tet4Rest& rest, std::span<const double> moduli, std::span<const std::int64_t> start, std::span<const std::uint32_t> pair) {
+    struct Gradients {
+        std::array<Vec3, 4> g;
+        double weight;
+    };
+    std::vector<Gradients> of(rest.elements);
+    for (std::size_t e = 0; e < rest.elements; ++e) {
+        for (std::size_t a = 1; a < 4; ++a) of[e].g[a] = rest_gradient(rest, e, a);
+        of[e].g[0] = -(of[e].g[1] + of[e].g[2] + of[e].g[3]);
+        of[e].weight = modulus(moduli, e, 1) * rest.volume[e];
+    }
+    std::vector<double> out(start.size() - 1, 0.0);
+    for (std::size_t b = 0; b < out.size(); ++b) {
+        for (std::int64_t i = start[b]; i < start[b + 1]; ++i) {
+            const std::uint32_t p = pair[std::size_t(i)];
+            const Gradients& element = of[p >> 4];
+            out[b] += element.weight * element.g[(p >> 2) & 3].dot(element.g[p & 3]);
+        }
+    }
+    return out;
 }
 
 void add_stiffness_trace(const Tet4Rest& rest, std::span<const double> moduli, std::span<double> trace) {

@@ -38,8 +38,8 @@ std::vector<Vec3> read_points(const JsonNode& node) {
 
 void read_events(const JsonNode& node, Scene& scene) {
     for (const JsonNode& entry : node.items()) {
-        entry.require_object({"cut", "erase"});
-        if (entry.has("cut") == entry.has("erase")) entry.fail("an event is either a \"cut\" or an \"erase\"");
+        entry.require_object({"cut", "erase", "heal"});
+        if (entry.has("cut") + entry.has("erase") + entry.has("heal") != 1) entry.fail("an event is either a \"cut\", an \"erase\" or a \"heal\"");
         if (entry.has("cut")) {
             const JsonNode cut = entry.at("cut");
             cut.require_object({"body", "from_m", "to_m", "times_s", "stride_m", "snap"});
@@ -52,6 +52,17 @@ void read_events(const JsonNode& node, Scene& scene) {
             if (cut.has("stride_m")) out.event.stride_m = cut.at("stride_m").number_above(0, 1e9);
             if (cut.has("snap")) out.event.def.snap = cut.at("snap").number(0, 0.5);
             scene.events.cuts.push_back(std::move(out));
+        } else if (entry.has("heal")) {
+            const JsonNode heal = entry.at("heal");
+            heal.require_object({"body", "gap_m", "centre_m", "radius_m", "time_s"});
+            SceneEdits::Heal out;
+            out.body = read_body_number(heal, scene);
+            out.event.time_s = heal.at("time_s").number(0, 1e9);
+            if (heal.has("gap_m")) out.event.def.gap_m = heal.at("gap_m").number_above(0, 1e9);
+            if (heal.has("centre_m") != heal.has("radius_m")) heal.fail("a ball needs both centre_m and radius_m");
+            if (heal.has("centre_m")) out.event.def.centre_m = heal.at("centre_m").vec3(1e9);
+            if (heal.has("radius_m")) out.event.def.radius_m = heal.at("radius_m").number_above(0, 1e9);
+            scene.events.heals.push_back(out);
         } else {
             const JsonNode erase = entry.at("erase");
             erase.require_object({"body", "from_m", "to_m", "radius_m", "times_s"});
@@ -78,7 +89,12 @@ EditScript make_edits(const Scene& scene, const World& world) {
         erasures.push_back(erase.event);
         erasures.back().body = bodies.at(erase.body);
     }
-    return EditScript(std::move(cuts), std::move(erasures));
+    std::vector<HealEvent> heals;
+    for (const SceneEdits::Heal& heal : scene.events.heals) {
+        heals.push_back(heal.event);
+        heals.back().body = bodies.at(heal.body);
+    }
+    return EditScript(std::move(cuts), std::move(erasures), std::move(heals));
 }
 
 }  // namespace supple::io

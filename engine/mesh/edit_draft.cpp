@@ -94,7 +94,7 @@ std::span<const std::int32_t> Draft::star(std::int32_t v) const {
 /// Which of the sets at a vertex an element is in.
 std::int32_t Draft::corner_name(std::int32_t element, std::int32_t vertex) const {
     const auto found = sets_.find(vertex);
-    if (found == sets_.end()) return 0;
+    if (found == sets_.end() || found->second.size() < 2) return 0;
     for (std::size_t s = 0; s < found->second.size(); ++s)
         if (std::binary_search(found->second[s].begin(), found->second[s].end(), element)) return std::int32_t(s);
     return 0;
@@ -297,6 +297,57 @@ void Draft::separate(std::set<FaceKey> torn, std::set<std::int32_t> affected, bo
     }
 }
 
+std::set<FaceKey> Draft::glue(std::set<FaceKey> glued, std::set<FaceKey> torn, const std::set<std::int32_t>& affected) {
+    index();
+    for (;;) {
+        sets_.clear();
+        for (const std::int32_t v : affected) label(torn, v);
+        std::vector<Fault> faults;
+        for (const std::int32_t v : affected) look_for_fault(v, faults);
+        for (const FaceKey& key : torn)
+            if (folds(key))
+                for (const std::int32_t v : key) faults.push_back({v, -1, {}});
+        bool changed = false;
+        const auto tear = [&](auto&& is_here) {
+            bool any = false;
+            for (auto key = glued.begin(); key != glued.end();) {
+                const bool here = is_here(*key);
+                if (here) torn.insert(*key);
+                key = here ? glued.erase(key) : std::next(key);
+                any = any || here;
+            }
+            changed = changed || any;
+            return any;
+        };
+        for (const Fault& fault : faults) {
+            // An edge can be crowded by faces that are glued at its ends alone.
+            if (fault.other >= 0 && tear([&](const FaceKey& key) { return holds(key, fault.vertex) && holds(key, fault.other); })) continue;
+            const auto at_fault = [&](const FaceKey& key) { return holds(key, fault.vertex) || (fault.other >= 0 && holds(key, fault.other)); };
+            if (tear(at_fault)) continue;
+            // A torn face whose corners were all merged at its neighbours is shut as well: it is those that have to open.
+            std::set<std::int32_t> near;
+            for (const FaceKey& key : torn)
+                if (at_fault(key)) near.insert(key.begin(), key.end());
+            near.erase(-1);
+            tear([&](const FaceKey& key) { return std::any_of(key.begin(), key.end(), [&](std::int32_t v) { return near.contains(v); }); });
+        }
+        if (!changed) return glued;
+    }
+}
+
+std::vector<std::array<std::int32_t, 2>> Draft::pinches(const std::set<std::int32_t>& affected) {
+    index();
+    sets_.clear();
+    for (const std::int32_t v : affected) label({}, v);
+    std::vector<Fault> faults;
+    for (const std::int32_t v : affected) look_for_fault(v, faults);
+    std::vector<std::array<std::int32_t, 2>> out;
+    for (const Fault& fault : faults) out.push_back({fault.vertex, fault.other});
+    for (const auto& [v, sets] : sets_)
+        if (sets.size() > 1) out.push_back({v, -1});
+    return out;
+}
+
 MeshEdit Draft::finish() const {
     MeshEdit out;
     const std::size_t old_vertices = old.vertices.size(), old_elements = old.element_count();
@@ -326,10 +377,12 @@ MeshEdit Draft::finish() const {
         if (v < old_vertices) d.vertex_to_new[v] = number[v];
     }
     std::map<std::pair<std::int32_t, std::int32_t>, std::int32_t> copies;  // (element, vertex): its copy
+    std::vector<char> has_copies(vertices.size(), 0);
     for (const auto& [v, sets] : sets_)
         for (std::size_t s = 1; s < sets.size(); ++s) {
             const std::int32_t copy = add(std::size_t(v));
             for (const std::int32_t e : sets[s]) copies[{e, v}] = copy;
+            has_copies[std::size_t(v)] = 1;
         }
 
     d.element_to_new.assign(old_elements, -1);
@@ -341,7 +394,7 @@ MeshEdit Draft::finish() const {
             std::array<std::int32_t, 8> ids{};
             for (std::int32_t a = 0; a < corners; ++a) {
                 const std::int32_t v = e.vertex[std::size_t(a)];
-                const auto copy = copies.find({std::int32_t(i), v});
+                const auto copy = has_copies[std::size_t(v)] == 0 ? copies.end() : copies.find({std::int32_t(i), v});
                 ids[std::size_t(a)] = copy == copies.end() ? number[std::size_t(v)] : copy->second;
             }
             if (i < old_elements) d.element_to_new[i] = std::int32_t(m.element_count());

@@ -47,6 +47,13 @@ public:
     /// Gives every set of elements at a vertex that hangs together across faces not in `torn` a vertex of its own, for each of `affected`. Where the boundary then touches
     /// itself, `torn` loses faces (torn given) or elements go (torn empty and `may_remove`), and all is done again.
     void separate(std::set<FaceKey> torn, std::set<std::int32_t> affected, bool may_remove);
+    /// The same for a mesh whose lips were put on the same vertices: `glued` are faces to shut, `torn` those that stay open. Where the boundary then touches itself, faces at the fault are
+    /// torn after all. Returns what is glued.
+    std::set<FaceKey> glue(std::set<FaceKey> glued, std::set<FaceKey> torn, const std::set<std::int32_t>& affected);
+    /// After separate() and glue(): the face-connected sets at an affected vertex.
+    const std::vector<std::vector<std::int32_t>>& sets(std::int32_t vertex) const { return sets_.at(vertex); }
+    /// Vertices of `affected` at which the boundary touches itself, nothing torn; with the other end where it does along an edge, else -1.
+    std::vector<std::array<std::int32_t, 2>> pinches(const std::set<std::int32_t>& affected);
     std::size_t open_faces() const { return open_; }  ///< of those torn, after separate()
 
     MeshEdit finish() const;

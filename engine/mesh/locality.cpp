@@ -20,6 +20,12 @@ std::uint64_t spread(std::uint64_t bits) {
     return (bits | bits << 2) & 0x1249249249249249;
 }
 
+/// The cell along one axis, modulo 2^21: that is twice the box, no two of its places fall together, wherever it lies.
+std::uint64_t cell(double at, int power) {
+    const double scaled = std::ldexp(at, kBits - 1 - power);
+    return std::isfinite(scaled) ? std::uint64_t(std::int64_t(std::fmod(std::floor(scaled), 1 << kBits))) : 0;
+}
+
 }  // namespace
 
 std::vector<std::int32_t> locality_order(std::span<const Vec3> points) {
@@ -28,12 +34,13 @@ std::vector<std::int32_t> locality_order(std::span<const Vec3> points) {
         low = low.cwiseMin(x);
         high = high.cwiseMax(x);
     }
-    const double size = points.empty() ? 0 : (high - low).maxCoeff();
-    const double per_metre = size > 0 ? ((1 << kBits) - 1) / size : 0;
+    int power = 0;
+    if (!points.empty()) std::frexp((high - low).maxCoeff(), &power);
     std::vector<std::pair<std::uint64_t, std::int32_t>> keyed(points.size());
     for (std::size_t i = 0; i < points.size(); ++i) {
-        const Vec3 at = per_metre * (points[i] - low);
-        keyed[i] = {spread(std::uint64_t(at.x())) | spread(std::uint64_t(at.y())) << 1 | spread(std::uint64_t(at.z())) << 2, std::int32_t(i)};
+        std::uint64_t key = 0;
+        for (Eigen::Index c = 0; c < 3; ++c) key |= spread(cell(points[i][c], power)) << c;
+        keyed[i] = {key, std::int32_t(i)};
     }
     std::sort(keyed.begin(), keyed.end());
     std::vector<std::int32_t> order(points.size());

@@ -7,7 +7,8 @@
 
 namespace supple {
 
-/// A vertex as a weighted mean of vertices of the mesh before: itself (weight 1), or up to four corners of the tet that it lies in. Weights sum to one.
+/// A vertex as a weighted mean of vertices of the mesh before: itself (weight 1), up to four corners of the tet that it lies in or is continued from, or those merged in it.
+/// Weights sum to one.
 struct VertexParents {
     std::array<std::int32_t, 4> vertex{-1, -1, -1, -1};  ///< ascending, -1 behind them
     std::array<double, 4> weight{};
@@ -15,12 +16,13 @@ struct VertexParents {
 
 /// What an edit did to a mesh. Elements are numbered as in VolumeMesh, tets first.
 struct TopologyDelta {
-    std::vector<std::int32_t> vertex_to_new;    ///< [old vertex] the same vertex now; -1: gone with its elements
+    std::vector<std::int32_t> vertex_to_new;    ///< [old vertex] the same vertex now (of several that were merged, the same one); -1: gone with its elements
     std::vector<VertexParents> vertex_parents;  ///< [new vertex]
     std::vector<std::int32_t> element_to_new;   ///< [old element] the same element now; -1: removed, or cut into parts
     std::vector<std::int32_t> element_parent;   ///< [new element] the old one that it is, or is a part of
-    std::vector<double> element_share;          ///< [new element] its part of the parent's rest volume, (0, 1]
+    std::vector<double> element_share;          ///< [new element] its part of the parent's rest volume, (0, 1]; 0: new matter, made like the parent
 
+    bool is_merged(std::size_t new_vertex) const;       ///< of several old ones
     bool is_identity() const;                           ///< nothing was done
     std::vector<std::int32_t> removed_elements() const; ///< old ones of which no part is left
     std::vector<std::int32_t> cut_elements() const;     ///< old ones that live on in several parts

@@ -58,18 +58,35 @@ BoundarySurface extract_boundary(const VolumeMesh& mesh) {
     for_each_face(mesh, [&](std::span<const HalfFace> sides) {
         if (sides.size() == 1) open[sides[0]] = 1;
     });
+    std::vector<HalfFace> half_faces;
+    for (HalfFace h = 0; h < open.size(); ++h)
+        if (open[h]) half_faces.push_back(h);
+    return boundary_of(mesh, half_faces);
+}
+
+BoundarySurface boundary_of(const VolumeMesh& mesh, std::span<const HalfFace> half_faces) {
     BoundarySurface out;
-    for (HalfFace h = 0; h < open.size(); ++h) {
-        if (!open[h]) continue;
-        const Face f = half_face(mesh, h);
-        append_triangles(f, out);
-        for (int i = 0; i < f.corners; ++i) {
-            const auto [low, high] = std::minmax(f.vertices[i], f.vertices[(i + 1) % f.corners]);
-            out.edges.push_back({low, high});
+    // Edges ascending: filed under their smaller vertex, so that nothing large is sorted.
+    std::vector<std::int32_t> start(mesh.vertices.size() + 1, 0);
+    const auto each_edge = [&](auto&& visit) {
+        for (const HalfFace h : half_faces) {
+            const Face f = half_face(mesh, h);
+            for (int i = 0; i < f.corners; ++i) {
+                const auto [low, high] = std::minmax(f.vertices[i], f.vertices[(i + 1) % f.corners]);
+                visit(std::size_t(low), high);
+            }
         }
+    };
+    for (const HalfFace h : half_faces) append_triangles(half_face(mesh, h), out);
+    each_edge([&](std::size_t low, std::int32_t) { ++start[low + 1]; });
+    for (std::size_t v = 0; v + 1 < start.size(); ++v) start[v + 1] += start[v];
+    std::vector<std::int32_t> high(std::size_t(start.back())), next(start.begin(), start.end() - 1);
+    each_edge([&](std::size_t low, std::int32_t other) { high[std::size_t(next[low]++)] = other; });
+    for (std::size_t v = 0; v + 1 < start.size(); ++v) {
+        const auto first = high.begin() + start[v], last = high.begin() + start[v + 1];
+        std::sort(first, last);
+        std::for_each(first, std::unique(first, last), [&](std::int32_t other) { out.edges.push_back({std::int32_t(v), other}); });
     }
-    std::sort(out.edges.begin(), out.edges.end());
-    out.edges.erase(std::unique(out.edges.begin(), out.edges.end()), out.edges.end());
     return out;
 }
 

@@ -17,6 +17,8 @@ struct BoundarySurface {
 
 /// A quad is cut through its smallest vertex. O(n log n), deterministic. Expects a mesh that passed check_and_repair().
 BoundarySurface extract_boundary(const VolumeMesh& mesh);
+/// The same of half-faces (mesh/topology.h) that are known to be of one element alone, ascending. O(n).
+BoundarySurface boundary_of(const VolumeMesh& mesh, std::span<const std::uint32_t> half_faces);
 
 struct Ray {
     Vec3 origin = Vec3::Zero();

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "supple/mesh/mesh_edit.h"
@@ -14,6 +15,11 @@ bool TopologyDelta::is_identity() const {
     for (std::size_t e = 0; e < element_to_new.size(); ++e)
         if (element_to_new[e] != std::int32_t(e)) return false;
     return true;
+}
+
+bool TopologyDelta::is_merged(std::size_t v) const {
+    const VertexParents& p = vertex_parents[v];
+    return p.vertex[1] >= 0 && vertex_to_new[std::size_t(p.vertex[0])] == std::int32_t(v);
 }
 
 std::vector<std::int32_t> TopologyDelta::removed_elements() const {
@@ -69,11 +75,22 @@ TopologyDelta compose(const TopologyDelta& first, const TopologyDelta& second) {
         d.element_parent.push_back(first.element_parent[middle]);
         d.element_share.push_back(second.element_share[e] * first.element_share[middle]);
     }
+    d.vertex_parents.reserve(second.vertex_parents.size());
     for (const VertexParents& late : second.vertex_parents) {
+        if (late.vertex[1] < 0) {  // the same, or a copy
+            d.vertex_parents.push_back(first.vertex_parents[std::size_t(late.vertex[0])]);
+            continue;
+        }
         std::map<std::int32_t, double> sum;  // a point lies in one tet of the first mesh: four corners at most
         for (std::size_t k = 0; k < 4 && late.vertex[k] >= 0; ++k) {
             const VertexParents& early = first.vertex_parents[std::size_t(late.vertex[k])];
             for (std::size_t j = 0; j < 4 && early.vertex[j] >= 0; ++j) sum[early.vertex[j]] += late.weight[k] * early.weight[j];
+        }
+        while (sum.size() > 4) {  // new matter between two cuts: the least goes
+            const auto least = std::min_element(sum.begin(), sum.end(), [](const auto& a, const auto& b) { return std::abs(a.second) < std::abs(b.second); });
+            const double rest = least->second / double(sum.size() - 1);
+            sum.erase(least);
+            for (auto& [vertex, weight] : sum) weight += rest;
         }
         VertexParents p;
         std::size_t k = 0;
@@ -99,11 +116,16 @@ std::vector<std::int32_t> boundary_parents(const VolumeMesh& before, const MeshE
         std::sort(corners.begin(), corners.end());
         corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
         const std::int32_t parent = edit.delta.element_parent[std::size_t(now.element[t])];
+        // Its corners may be several old ones, merged.
+        Triangle names = now.triangles[t];
+        std::sort(names.begin(), names.end());
         const auto first = std::lower_bound(was.element.begin(), was.element.end(), parent);
         for (auto i = first; i != was.element.end() && *i == parent; ++i) {
-            Triangle old = was.triangles[std::size_t(i - was.element.begin())];
+            Triangle old = was.triangles[std::size_t(i - was.element.begin())], later = old;
+            for (std::int32_t& v : later) v = edit.delta.vertex_to_new[std::size_t(v)];
             std::sort(old.begin(), old.end());
-            if (std::includes(old.begin(), old.end(), corners.begin(), corners.end())) out[t] = std::int32_t(i - was.element.begin());
+            std::sort(later.begin(), later.end());
+            if (later == names || std::includes(old.begin(), old.end(), corners.begin(), corners.end())) out[t] = std::int32_t(i - was.element.begin());
         }
         if (out[t] >= 0 || corners.size() != 3 || parent < std::int32_t(before.tets.size())) continue;
         // A quad may now be drawn with its other diagonal: then the old half that shares two corners, on the same face.

@@ -229,6 +229,15 @@ MeshReport check_and_repair(VolumeMesh& mesh) {
     return report;
 }
 
+bool keeps_new_elements(const VolumeMesh& mesh, std::span<const std::int32_t> old_element) {
+    const auto keeps = [&](const auto& element) { return !repeats_a_vertex(element) && relative_volume(mesh, element) > 6 * kZeroVolume; };
+    for (std::size_t e = 0; e < old_element.size(); ++e) {
+        if (old_element[e] >= 0) continue;
+        if (!(e < mesh.tets.size() ? keeps(mesh.tets[e]) : keeps(mesh.hexes[e - mesh.tets.size()]))) return false;
+    }
+    return true;
+}
+
 std::vector<std::string> MeshReport::sentences() const {
     std::vector<std::string> out;
     const auto say = [&](std::size_t n, const char* one, const char* many) {

@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -62,6 +63,9 @@ struct MeshReport {
 /// @error Error(surface_mesh) if there is no volume element or none is left; Error(invalid_argument) if an index is out of
 ///        range, or a coordinate is not finite or beyond 1e100 m. The mesh is unchanged when an index or coordinate is refused.
 MeshReport check_and_repair(VolumeMesh& mesh);
+
+/// Whether check_and_repair() would keep, as they are, the elements that an edit has made: those with old_element -1. [element]. Others are taken for granted.
+bool keeps_new_elements(const VolumeMesh& mesh, std::span<const std::int32_t> old_element);
 
 /// Signed volume of one tetrahedron [m^3].
 double tet_volume(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);

@@ -119,6 +119,8 @@ struct LatticeMultigrid<Real>::Hierarchy {
     std::vector<Mat3> extra, extra_coarse;
     bool level1_altered = false;
     std::vector<double> partial;
+    int degree = 2;
+    bool smoother_is_due = false;                      ///< level 0 has none yet: with the next update
 };
 
 template <class Real>
@@ -179,35 +181,47 @@ std::vector<std::array<std::int32_t, kSamples>> choose_samples(const LatticeInte
 }  // namespace
 
 template <class Real>
+void LatticeMultigrid<Real>::lay_level0() {
+    Hierarchy& h = *h_;
+    h.row_slot.assign(pattern_.rows, -1);
+    h.extra_row.clear();
+    h.extra.clear();
+    h.partial.resize(row_chunks(pattern_.rows) + pattern_.rows);  // the finest level's chunks are never more than its rows
+    if (h.level.empty()) h.level.emplace_back();
+    h.level[0] = std::make_unique<PackedLevel>(isa_, pattern_.row_start, pattern_.column);
+}
+
+template <class Real>
 void LatticeMultigrid<Real>::build(Team& team, const LatticeDef& def, const Bsr3<Real>& A, RotationLookup rotation) {
     h_ = std::make_unique<Hierarchy>();
     Hierarchy& h = *h_;
-    h.row_slot.assign(pattern_.rows, -1);
-    h.partial.resize(row_chunks(pattern_.rows) + pattern_.rows);  // the finest level's chunks are never more than its rows
-    h.level.push_back(std::make_unique<PackedLevel>(isa_, pattern_.row_start, pattern_.column));
+    h.degree = def.degree;
+    lay_level0();
     h.level[0]->pack(team, A.value.data(), pattern_.diagonal);
     h.level[0]->set_smoother(team, def.degree);
-
-    std::vector<LatticePoint> points = lattice_points(def);
     h.matrix.reserve(kMostLevels);  // levels keep spans of these
-    for (std::size_t l = 0; l < kMostLevels; ++l) {
-        const std::size_t above = points.size();
-        LatticeInterpolation P = l == 0 ? make_interpolation(points, pattern_.row_start, pattern_.column)
-                                        : make_interpolation(points, h.matrix[l - 1].row_start, h.matrix[l - 1].column);
-        const std::size_t nodes = P.node.size();
-        if (nodes == 0 || (l > 0 && nodes > above * 3 / 4)) break;  // all held, or a cloud of parts that no lattice makes fewer
-        h.matrix.push_back(l == 0 ? galerkin<Real>(team, {pattern_.row_start, pattern_.column, A.value.data(), def.held}, P)
-                                  : galerkin<float>(team, {h.matrix[l - 1].row_start, h.matrix[l - 1].column, h.matrix[l - 1].value.data(), {}}, P));
-        if (l == 0) {
-            h.samples = choose_samples(P, def.rotation_of_row);
-            for (const auto& ids : h.samples) h.at_build.push_back(mean_rotation(ids, rotation));
-            h.turn.resize(nodes * 12);
-            h.node_slot.assign(nodes, -1);
-        }
-        points = coarser_points(P.node);
+    LatticeInterpolation P = make_interpolation(lattice_points(def), pattern_.row_start, pattern_.column);
+    if (!P.node.empty()) {  // else all is held
+        h.matrix.push_back(galerkin<Real>(team, {pattern_.row_start, pattern_.column, A.value.data(), def.held}, P));
+        h.samples = choose_samples(P, def.rotation_of_row);
+        for (const auto& ids : h.samples) h.at_build.push_back(mean_rotation(ids, rotation));
         h.transfer.push_back(std::move(P));
+        lay_below(team);
+    }
+    hold(def.held);
+    turn(team, rotation);
+}
+
+/// All levels from the matrix of level 1 on.
+template <class Real>
+void LatticeMultigrid<Real>::lay_below(Team& team) {
+    Hierarchy& h = *h_;
+    h.turn.resize(h.transfer[0].node.size() * 12);
+    h.node_slot.assign(h.transfer[0].node.size(), -1);
+    for (std::size_t l = 0;; ++l) {
+        const BlockRows& coarse = h.matrix[l];
+        const std::size_t nodes = coarse.rows();
         h.correction.emplace_back(nodes * 4, 0.0f);
-        const BlockRows& coarse = h.matrix.back();
         if (nodes <= kDirectNodes) {
             h.direct = std::make_unique<DirectSolver>(coarse);
             break;
@@ -215,12 +229,135 @@ void LatticeMultigrid<Real>::build(Team& team, const LatticeDef& def, const Bsr3
         const std::vector<std::int32_t> diagonal = diagonals(coarse);
         h.level.push_back(std::make_unique<PackedLevel>(isa_, coarse.row_start, coarse.column));
         h.level.back()->pack(team, coarse.value.data(), diagonal);
-        h.level.back()->set_smoother(team, def.degree);
+        h.level.back()->set_smoother(team, h.degree);
         if (l == 0) h.diagonal1 = diagonal;
+        if (l + 1 == kMostLevels) break;
+        LatticeInterpolation P = make_interpolation(coarser_points(h.transfer[l].node), coarse.row_start, coarse.column);
+        if (P.node.empty() || P.node.size() > nodes * 3 / 4) break;  // a cloud of parts that no lattice makes fewer
+        h.matrix.push_back(galerkin<float>(team, {coarse.row_start, coarse.column, coarse.value.data(), {}}, P));
+        h.transfer.push_back(std::move(P));
     }
     for (std::size_t l = 1; l < h.matrix.size(); ++l) h.matrix[l].value = {};
-    hold(def.held);
-    turn(team, rotation);
+}
+
+template <class Real>
+void LatticeMultigrid<Real>::follow(LatticeMultigrid& before, const LatticeChange& change) {
+    h_ = std::move(before.h_);
+    Hierarchy& h = *h_;
+    lay_level0();
+    h.smoother_is_due = true;
+    h.held.assign(pattern_.rows, 0);
+    h.corrected_though_held.clear();
+    if (h.transfer.empty()) return;
+    ScalarRows& P = h.transfer[0].to_points;
+    ScalarRows now;
+    now.row_start.reserve(pattern_.rows + 1);
+    now.column.reserve(P.column.size());
+    now.weight.reserve(P.column.size());
+    std::vector<std::pair<std::int32_t, double>> sum;
+    for (std::size_t i = 0; i < pattern_.rows; ++i) {
+        const auto range = [&](std::int32_t row) { return std::pair(P.row_start[std::size_t(row)], P.row_start[std::size_t(row) + 1]); };
+        if (change.parent[i][0] >= 0 && change.parent[i][1] < 0) {
+            const auto [first, last] = range(change.parent[i][0]);
+            now.column.insert(now.column.end(), P.column.begin() + first, P.column.begin() + last);
+            now.weight.insert(now.weight.end(), P.weight.begin() + first, P.weight.begin() + last);
+        } else {
+            sum.clear();
+            for (std::size_t k = 0; k < 4 && change.parent[i][k] >= 0; ++k) {
+                const auto [first, last] = range(change.parent[i][k]);
+                for (std::int32_t w = first; w < last; ++w) sum.emplace_back(P.column[std::size_t(w)], change.weight[i][k] * double(P.weight[std::size_t(w)]));
+            }
+            std::sort(sum.begin(), sum.end());
+            for (std::size_t k = 0; k < sum.size(); ++k) {
+                if (k > 0 && sum[k].first == sum[k - 1].first) {
+                    now.weight.back() += float(sum[k].second);
+                } else {
+                    now.column.push_back(sum[k].first);
+                    now.weight.push_back(float(sum[k].second));
+                }
+            }
+        }
+        now.row_start.push_back(std::int32_t(now.column.size()));
+    }
+    P = std::move(now);
+    h.transfer[0].to_nodes = transpose(P, h.transfer[0].node.size());
+    for (auto& ids : h.samples) {
+        std::size_t kept = 0;
+        for (const std::int32_t id : std::array(ids)) {
+            if (id >= 0 && change.new_rotation[std::size_t(id)] >= 0) ids[kept++] = change.new_rotation[std::size_t(id)];
+        }
+        std::fill(ids.begin() + std::ptrdiff_t(kept), ids.end(), -1);
+    }
+}
+
+template <class Real>
+void LatticeMultigrid<Real>::save(ByteWriter& out) const {
+    const Hierarchy& h = *h_;
+    out.value(std::int32_t(h.degree));
+    out.value(h.smoother_is_due ? 0.0f : h.level[0]->largest_eigenvalue());
+    out.value(std::uint64_t(h.transfer.size()));
+    if (h.transfer.empty()) return;
+    out.array(h.transfer[0].node);
+    const ScalarRows& P = h.transfer[0].to_points;
+    out.array(P.row_start);
+    out.array(P.column);
+    out.array(P.weight);
+    out.array(h.matrix[0].row_start);
+    out.array(h.matrix[0].column);
+    out.array(h.matrix[0].value);
+    out.array(h.samples);
+    std::vector<double> q;
+    for (const Eigen::Quaterniond& r : h.at_build) q.insert(q.end(), {r.w(), r.x(), r.y(), r.z()});
+    out.array(q);
+}
+
+template <class Real>
+void LatticeMultigrid<Real>::load(Team& team, ByteReader& in, std::size_t rotations) {
+    constexpr std::size_t kMost = std::size_t(1) << 30;
+    constexpr const char* what = "preconditioner";
+    auto made = std::make_unique<Hierarchy>();
+    Hierarchy& h = *made;
+    const auto wrong = [] { throw Error(ErrorCode::corrupt_snapshot, "snapshot", "a preconditioner does not fit its body"); };
+    const auto rows_good = [](const std::vector<std::int32_t>& start, const std::vector<std::int32_t>& column, std::size_t rows, std::size_t columns) {
+        return start.size() == rows + 1 && start[0] == 0 && std::is_sorted(start.begin(), start.end()) && std::size_t(start.back()) == column.size() &&
+               std::all_of(column.begin(), column.end(), [&](std::int32_t c) { return c >= 0 && std::size_t(c) < columns; });
+    };
+    h.degree = in.value<std::int32_t>(what);
+    const float eigenvalue = in.value<float>(what);
+    const auto levels = in.value<std::uint64_t>(what);
+    if ((h.degree != 1 && h.degree != 2) || !(eigenvalue >= 0 && eigenvalue < 1e6f)) wrong();
+    if (levels > 0) {
+        LatticeInterpolation P;
+        P.node = in.list<std::array<std::int32_t, 3>>(kMost, what);
+        P.to_points.row_start = in.list<std::int32_t>(kMost, what);
+        P.to_points.column = in.list<std::int32_t>(kMost, what);
+        P.to_points.weight = in.list<float>(kMost, what);
+        BlockRows A;
+        A.row_start = in.list<std::int32_t>(kMost, what);
+        A.column = in.list<std::int32_t>(kMost, what);
+        A.value = in.list<float>(kMost, what);
+        h.samples = in.list<std::array<std::int32_t, kSamples>>(kMost, what);
+        const auto q = in.list<double>(kMost, what);
+        const std::size_t nodes = P.node.size();
+        const bool samples_good = std::all_of(h.samples.begin(), h.samples.end(), [&](const auto& ids) {
+            return std::all_of(ids.begin(), ids.end(), [&](std::int32_t id) { return id >= -1 && id < std::int64_t(rotations); });
+        });
+        if (nodes == 0 || !rows_good(P.to_points.row_start, P.to_points.column, pattern_.rows, nodes) || P.to_points.weight.size() != P.to_points.column.size() ||
+            !rows_good(A.row_start, A.column, nodes, nodes) || A.value.size() != 12 * A.column.size() || h.samples.size() != nodes || q.size() != 4 * nodes || !samples_good) {
+            wrong();
+        }
+        P.to_nodes = transpose(P.to_points, nodes);
+        for (std::size_t i = 0; i < nodes; ++i) h.at_build.emplace_back(q[4 * i], q[4 * i + 1], q[4 * i + 2], q[4 * i + 3]);
+        h.matrix.reserve(kMostLevels);
+        h.matrix.push_back(std::move(A));
+        h.transfer.push_back(std::move(P));
+    }
+    h_ = std::move(made);
+    lay_level0();
+    h.smoother_is_due = eigenvalue == 0;
+    if (!h.smoother_is_due) h.level[0]->set_smoother(eigenvalue, h.degree);
+    h.held.assign(pattern_.rows, 0);
+    if (levels > 0) lay_below(team);
 }
 
 template <class Real>
@@ -282,6 +419,10 @@ void LatticeMultigrid<Real>::update(Team& team, const Bsr3<Real>& A, std::span<c
         }
     }
     h.level[0]->pack(team, A.value.data(), pattern_.diagonal, h.extra_row, h.extra);
+    if (h.smoother_is_due) {
+        h.level[0]->set_smoother(team, h.degree);
+        h.smoother_is_due = false;
+    }
     if (h.level.size() < 2) return;
     // Level 1 sees appended stiffness lumped on its nodes, in the frame of the build: what moves all of them alike meets it in full.
     const ScalarRows& P = h.transfer[0].to_points;

@@ -3,6 +3,7 @@
 #include <span>
 #include <vector>
 
+#include "supple/base/byte_stream.h"
 #include "supple/base/function_ref.h"
 #include "supple/solve/galerkin.h"
 #include "supple/solve/packed_level.h"
@@ -23,6 +24,13 @@ struct LatticeDef {
     int degree = 2;                                                ///< of the smoother, 1 or 2
 };
 
+/// Where the rows of an edited matrix come from.
+struct LatticeChange {
+    std::span<const std::array<std::int32_t, 4>> parent;  ///< [row] rows before of which it is a weighted mean; -1 behind them
+    std::span<const std::array<double, 4>> weight;        ///< [row]
+    std::span<const std::int32_t> new_rotation;           ///< [rotation before] its number now, -1: gone
+};
+
 /// A V-cycle over lattices laid through the rest shape.
 ///
 /// Level 0 is the matrix of the current step; the levels below it are P^T A P of the matrix that the hierarchy was built from, and stay: each node of the first lattice
@@ -39,6 +47,15 @@ public:
     void build(Team& team, const LatticeDef& def, const Bsr3<Real>& A, RotationLookup rotation);
     bool built() const;
 
+    /// Takes over the levels below the finest from the hierarchy of a matrix before an edit: each row is interpolated as its parents were. The smoother of the finest level is set by
+    /// the next update(). Nothing is left of `before`. A stand-in until another one is built: of what the edit changed the levels below know nothing.
+    void follow(LatticeMultigrid& before, const LatticeChange& change);
+
+    /// All that build() and follow() have made, without what update(), turn() and hold() do in every step. @pre built()
+    void save(ByteWriter& out) const;
+    /// @error Error(corrupt_snapshot) if it does not fit the pattern
+    void load(Team& team, ByteReader& in, std::size_t rotations);
+
     /// Leaves coordinates out that are held now: those held when it was built, fewer or more. [row] bit c: coordinate c is held
     void hold(std::span<const std::uint8_t> held);
 
@@ -52,6 +69,8 @@ public:
 
 private:
     struct Hierarchy;
+    void lay_level0();
+    void lay_below(Team& team);
     void down(Team& team, std::size_t level);
     void cycle(Team& team, std::size_t level);
 

@@ -115,7 +115,11 @@ void PackedLevel::set_smoother(Team& team, int degree) {
         const float shrink = after > 0 ? float(1 / std::sqrt(after)) : 0.0f;
         for (std::size_t i = 0; i < x.size(); ++i) x[i] = shrink * y[i];
     }
-    lambda_ = float(std::max(1.0, kPowerMargin * growth));
+    set_smoother(float(std::max(1.0, kPowerMargin * growth)), degree);
+}
+
+void PackedLevel::set_smoother(float largest_eigenvalue, int degree) {
+    lambda_ = largest_eigenvalue;
     degree_ = degree;
     // Chebyshev's recurrence: d0 = D^-1 r / theta; d1 = rho1 rho0 d0 + (2 rho1 / delta) D^-1 (r - A x1), theta and delta the interval's middle and half width.
     const double high = double(lambda_), low = kLowEnd * high, theta = 0.5 * (high + low), delta = 0.5 * (high - low);

@@ -30,6 +30,8 @@ public:
     /// Bounds the eigenvalues of D^-1 A by power steps and sets the smoother's polynomial: Chebyshev of the given degree (1 or 2) on
     /// the upper three quarters. Uses the work vectors.
     void set_smoother(Team& team, int degree);
+    /// The same with a bound that is known.
+    void set_smoother(float largest_eigenvalue, int degree);
     float largest_eigenvalue() const { return lambda_; }
     int degree() const { return degree_; }
 

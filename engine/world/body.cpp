@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "supple/base/error.h"
+#include "supple/fem/element_groups.h"
 #include "supple/fem/stress.h"
 #include "supple/solve/chunked_sum.h"
 #include "supple/world/body_materials.h"
@@ -132,11 +133,15 @@ void apply_materials(Body& body, const BodyDef& def, const WorldDef& world, Isa 
     Matter matter = make_matter(data, materials.elements, world, isa);
     auto mass = fem::lumped_mass(data.mesh, materials.density_kg_m3);
     std::vector<Lame> lame(data.layout.elements);
-    for (std::size_t e = 0; e < lame.size(); ++e) lame[e] = materials.elements.lame_of(e);
+    for (const fem::ElementGroup& group : data.layout.groups) {
+        const std::vector<Lame> own = fem::group_lame(group, materials.elements);
+        for (std::size_t i = 0; i < own.size(); ++i) lame[std::size_t(group.element[i])] = own[i];
+    }
     auto trace = fem::stiffness_trace(data.layout, lame);
     auto young = young_moduli(lame);
     BodyDef kept = def;
 
+    with_system(body, [](auto& system) { system.next.reset(); });  // it reads the materials
     std::swap(body.def, kept);
     body.materials = std::move(materials.elements);
     body.mass = std::move(mass);

@@ -58,7 +58,14 @@ std::vector<std::int32_t> elements_near(const World& world, BodyId body, const V
     return out;
 }
 
-EditScript::EditScript(std::vector<CutEvent> cuts, std::vector<EraseEvent> erasures) : cuts_(std::move(cuts)), erasures_(std::move(erasures)) {
+EditScript::EditScript(std::vector<CutEvent> cuts, std::vector<EraseEvent> erasures, std::vector<HealEvent> heals)
+    : cuts_(std::move(cuts)), erasures_(std::move(erasures)), heals_(std::move(heals)) {
+    for (const HealEvent& heal : heals_) {
+        require_in_range(heal.time_s, 0, 1e9, "HealEvent.time_s");
+        if (!(heal.def.gap_m > 0 && std::isfinite(heal.def.gap_m))) refuse("HealEvent.gap_m", to_text(heal.def.gap_m) + " must be above 0");
+        require_in_range(heal.def.radius_m, 0, 1e9, "HealEvent.radius_m", "0: everywhere");
+        if (!heal.def.centre_m.allFinite()) refuse("HealEvent.centre_m", "is not finite");
+    }
     for (const CutEvent& cut : cuts_) {
         check_times(cut.begin_s, cut.end_s, "CutEvent");
         if (cut.from_m.size() < 2 || cut.from_m.size() != cut.to_m.size()) refuse("CutEvent.from_m", "needs two points or more, and as many in to_m");
@@ -108,6 +115,8 @@ std::size_t EditScript::before_step(World& world) const {
         if (gone.empty() || gone.size() == world.shape(erase.body).mesh().element_count()) continue;
         edits += !world.remove_elements(erase.body, gone).is_identity();
     }
+    for (const HealEvent& heal : heals_)
+        if (step == step_of(heal.time_s, h)) edits += !world.heal(heal.body, heal.def).is_identity();
     return edits;
 }
 

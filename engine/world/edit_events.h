@@ -22,12 +22,19 @@ struct EraseEvent {
     double begin_s = 0, end_s = 0;
 };
 
+/// Lips that are near one another are glued at a moment.
+struct HealEvent {
+    BodyId body{};
+    HealDef def{};
+    double time_s = 0;
+};
+
 /// Edits on a timeline. What happens before a step depends on the number of the step alone: a run that a snapshot continues is the same.
 class EditScript {
 public:
     EditScript() = default;
     /// @error Error(invalid_argument) naming the field
-    EditScript(std::vector<CutEvent> cuts, std::vector<EraseEvent> erasures);
+    EditScript(std::vector<CutEvent> cuts, std::vector<EraseEvent> erasures, std::vector<HealEvent> heals = {});
 
     /// Call before each step. An erasure that would leave nothing leaves the body as it is.
     /// @return  edits made
@@ -35,10 +42,12 @@ public:
 
     const std::vector<CutEvent>& cuts() const { return cuts_; }
     const std::vector<EraseEvent>& erasures() const { return erasures_; }
+    const std::vector<HealEvent>& heals() const { return heals_; }
 
 private:
     std::vector<CutEvent> cuts_;
     std::vector<EraseEvent> erasures_;
+    std::vector<HealEvent> heals_;
 };
 
 /// Mean length of the edges of the elements at rest [m].

@@ -8,20 +8,11 @@
 
 namespace supple {
 
-/// What a lattice hierarchy of a body is built from, copied so that the body may go on.
-template <class Real>
-struct HierarchyInputs {
-    solve::Bsr3<Real> A;                                   ///< matrix of the build configuration
-    std::vector<double> rotation;                          ///< [element][w x y z] there
-    std::vector<std::uint8_t> held;                        ///< [vertex]
-    std::vector<std::array<std::int32_t, 3>> elements_near;///< [vertex] up to three elements at each, then -1
-    double volume = 0;
-};
-
-/// A hierarchy under way on a thread of its own.
+/// A hierarchy under way on a thread of its own. It reads what is constant of the body - template, layout, materials, masses - and has copies of what moves.
 template <class Real>
 struct HierarchyBuild {
-    HierarchyInputs<Real> inputs;
+    std::vector<Vec3> x;              ///< configuration that it is built from
+    std::vector<std::uint8_t> held;   ///< [vertex] there
     std::unique_ptr<solve::LatticeMultigrid<Real>> result;
     std::unique_ptr<Background> thread;  ///< last: it goes first, and waits
 };

@@ -12,7 +12,8 @@ std::vector<std::vector<std::int32_t>> copies_of(const TopologyDelta& delta) {
     std::vector<std::vector<std::int32_t>> copies(delta.vertex_to_new.size());
     for (std::size_t v = 0; v < delta.vertex_parents.size(); ++v) {
         const VertexParents& p = delta.vertex_parents[v];
-        if (p.vertex[1] < 0) copies[std::size_t(p.vertex[0])].push_back(std::int32_t(v));
+        const std::size_t parents = p.vertex[1] < 0 ? 1 : delta.is_merged(v) ? 4 : 0;
+        for (std::size_t k = 0; k < parents && p.vertex[k] >= 0; ++k) copies[std::size_t(p.vertex[k])].push_back(std::int32_t(v));
     }
     return copies;
 }
@@ -67,7 +68,7 @@ PreparedLoads PreparedLoads::followed(const TemplateData& before, const Template
         std::vector<double> weight(delta.vertex_parents.size(), 0.0);
         for (std::size_t i = 0; i < load.vertex.size(); ++i) {
             const auto& to = copies[std::size_t(load.vertex[i])];
-            for (const std::int32_t v : to) weight[std::size_t(v)] = load.weight[i] / double(to.size());
+            for (const std::int32_t v : to) weight[std::size_t(v)] += load.weight[i] / double(to.size());
         }
         DeadLoad moved{{}, {}, load.value, load.definition};
         VertexList where;
@@ -92,6 +93,7 @@ PreparedLoads PreparedLoads::followed(const TemplateData& before, const Template
                 for (const std::int32_t old : select_vertices(before.mesh, load.definition.where))
                     list.vertices.insert(list.vertices.end(), copies[std::size_t(old)].begin(), copies[std::size_t(old)].end());
             std::sort(list.vertices.begin(), list.vertices.end());
+            list.vertices.erase(std::unique(list.vertices.begin(), list.vertices.end()), list.vertices.end());
             moved.where = list;
             if (list.vertices.size() < 3) continue;
         }

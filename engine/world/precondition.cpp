@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace supple {
 
@@ -16,6 +17,8 @@ constexpr std::int32_t kTrialEvery = 50;       // solves between two trials of b
 constexpr std::int32_t kSlowSolves = 5;        // in a row, before the hierarchy is built anew
 constexpr int kTellingIterations = 4;          // fewer say nothing about a hierarchy
 constexpr std::int32_t kStepsToBuild = 16;     // a hierarchy takes about five steps' time on a thread of its own, more where the cores are busy
+constexpr std::int32_t kStepsAfterEdit = 6;    // the same where one of before an edit stands in, which should not be for long
+constexpr std::int32_t kStepsToWaitFor = 3;    // another edit waits for a hierarchy that is so near; one that is farther off is given up
 constexpr std::int32_t kBrokenSolves = 100;    // before a preconditioner that broke down gets another chance
 
 std::vector<std::uint8_t> held_by_row(const Body& body) {
@@ -34,28 +37,38 @@ void read_rotation(const Body& body, const AlignedVector<double>& quaternion, st
     for (std::size_t k = 0; k < 4; ++k) wxyz[k] = q[k * fem::kBlock];
 }
 
-/// Tangent of a configuration in system.A, with the coordinates in `held` [row] left out. Uses the body's elements: before a step's evaluation.
+/// Factors of M and K in the matrix, the same whenever a preconditioner is built.
+struct MatrixScales {
+    double mass = 0, stiffness = 0;
+};
+
+MatrixScales scales_at_build(StepContext& ctx, Body& body) {
+    const double h = body.work.h;
+    body.work.h = scheme_step(ctx.world.def);
+    const MatrixScales scales{mass_scale(ctx, body), stiffness_scale(ctx, body)};
+    body.work.h = h;
+    return scales;
+}
+
+/// Tangent of a configuration in A, with the coordinates in `held` [row] left out. Uses the elements given: not those of a body between its evaluation and its solve.
 /// @return  rotations of its elements, [element][w x y z]
 template <class Real>
-std::vector<double> assemble_configuration(StepContext& ctx, Body& body, System<Real>& system, const std::vector<Vec3>& x, const std::vector<std::uint8_t>& held) {
+std::vector<double> assemble_configuration(Team& team, const Body& body, const MatrixScales& scales, fem::Elements& elements, const std::vector<Vec3>& x,
+                                           const std::vector<std::uint8_t>& held, solve::Bsr3<Real>& A) {
     AlignedVector<double> quaternion(body.layout().blocks * 4 * fem::kBlock, 0.0);
-    fem::seed_rotations(ctx.team, body.layout(), x, quaternion);
+    fem::seed_rotations(team, body.layout(), x, quaternion);
     fem::ElementOutputs outputs;
     outputs.tangent = true;
-    body.elements->evaluate(ctx.team, x.data()->data(), quaternion.data(), outputs);
-    const double h = body.work.h;
-    body.work.h = scheme_step(ctx.world.def);  // the same whenever it is built
-    const double mass = mass_scale(ctx, body), stiffness = stiffness_scale(ctx, body);
-    body.work.h = h;
+    elements.evaluate(team, x.data()->data(), quaternion.data(), outputs);
     const solve::Bsr3Pattern& pattern = body.data().pattern;
     std::vector<double> diagonal(pattern.rows);
-    for (std::size_t row = 0; row < pattern.rows; ++row) diagonal[row] = mass * body.mass[std::size_t(pattern.vertex[row])];
-    body.elements->assemble(ctx.team, stiffness, diagonal, system.A.value.data());
+    for (std::size_t row = 0; row < pattern.rows; ++row) diagonal[row] = scales.mass * body.mass[std::size_t(pattern.vertex[row])];
+    elements.assemble(team, scales.stiffness, diagonal, A.value.data());
     for (std::size_t row = 0; row < pattern.rows; ++row) {
         for (std::int32_t block = pattern.row_start[row]; block < pattern.row_start[row + 1]; ++block) {
             const auto column = std::size_t(pattern.column[std::size_t(block)]);
             if (held[row] == 0 && held[column] == 0) continue;
-            Real* value = system.A.value.data() + std::size_t(block) * 12;
+            Real* value = A.value.data() + std::size_t(block) * 12;
             for (std::size_t c = 0; c < 3; ++c)
                 for (std::size_t i = 0; i < 3; ++i) {
                     if ((held[row] >> i & 1) || (held[column] >> c & 1)) value[4 * c + i] = Real(row == column && i == c ? 1 : 0);
@@ -67,57 +80,84 @@ std::vector<double> assemble_configuration(StepContext& ctx, Body& body, System<
     return rotation;
 }
 
+/// The hierarchy of a configuration; A is scratch.
 template <class Real>
-HierarchyInputs<Real> hierarchy_inputs(StepContext& ctx, Body& body, System<Real>& system, const std::vector<Vec3>& x, const std::vector<std::uint8_t>& held_of_vertex) {
-    HierarchyInputs<Real> in;
-    in.held = solve::by_row(body.data().pattern, std::span(held_of_vertex));
-    in.rotation = assemble_configuration(ctx, body, system, x, in.held);
-    in.elements_near.assign(body.vertices(), {-1, -1, -1});
-    for (std::size_t i = 0; i < in.elements_near.size(); ++i) {
+std::unique_ptr<solve::LatticeMultigrid<Real>> build_hierarchy(Team& team, Isa isa, const Body& body, const MatrixScales& scales, fem::Elements& elements,
+                                                               const std::vector<Vec3>& x, const std::vector<std::uint8_t>& held_of_vertex, solve::Bsr3<Real>& A) {
+    const solve::Bsr3Pattern& pattern = body.data().pattern;
+    const std::vector<std::uint8_t> held = solve::by_row(pattern, std::span(held_of_vertex));
+    const std::vector<Vec3> points = solve::by_row(pattern, std::span(body.data().mesh.vertices));
+    const std::vector<double> rotation = assemble_configuration(team, body, scales, elements, x, held, A);
+    std::vector<std::array<std::int32_t, 3>> elements_near(body.vertices(), {-1, -1, -1});  // [row] up to three at each, then -1
+    for (std::size_t i = 0; i < elements_near.size(); ++i) {
         const fem::ElementMap& around = body.layout().around;
-        const auto v = std::size_t(body.data().pattern.vertex[i]);
+        const auto v = std::size_t(pattern.vertex[i]);
         const std::int64_t first = around.start[v], last = around.start[v + 1];
         for (std::int64_t k = 0; k < 3 && first + k < last; ++k) {
             // Spread over the elements around the vertex, not three neighbours of one another.
-            in.elements_near[i][std::size_t(k)] = around.element[std::size_t(first + k * (last - first) / 3)];
+            elements_near[i][std::size_t(k)] = around.element[std::size_t(first + k * (last - first) / 3)];
         }
     }
-    for (const double v : body.layout().volume) in.volume += v;
-    return in;
-}
-
-template <class Real>
-std::unique_ptr<solve::LatticeMultigrid<Real>> build_hierarchy(Team& team, const TemplateData& data, Isa isa, const HierarchyInputs<Real>& in, const solve::Bsr3<Real>& A) {
-    const std::vector<Vec3> points = solve::by_row(data.pattern, std::span(data.mesh.vertices));
     solve::LatticeDef def;
     def.points = points;
-    def.held = in.held;
-    def.rotation_of_row = in.elements_near;
-    def.volume = in.volume;
-    auto multigrid = std::make_unique<solve::LatticeMultigrid<Real>>(data.pattern, isa);
-    multigrid->build(team, def, A, [&](std::int32_t id, double* q) { std::copy_n(in.rotation.data() + 4 * std::size_t(id), 4, q); });
+    def.held = held;
+    def.rotation_of_row = elements_near;
+    for (const double v : body.layout().volume) def.volume += v;
+    auto multigrid = std::make_unique<solve::LatticeMultigrid<Real>>(pattern, isa);
+    multigrid->build(team, def, A, [&](std::int32_t id, double* q) { std::copy_n(rotation.data() + 4 * std::size_t(id), 4, q); });
     return multigrid;
 }
 
-/// The hierarchy of state.hierarchy_x, at once.
+/// The hierarchy of state.hierarchy_x, at once. Before a step's evaluation.
 template <class Real>
 void build_now(StepContext& ctx, Body& body, System<Real>& system) {
-    const HierarchyInputs<Real> in = hierarchy_inputs(ctx, body, system, body.state.hierarchy_x, body.state.hierarchy_held);
-    system.multigrid = build_hierarchy(ctx.team, body.data(), ctx.world.isa, in, system.A);
+    system.multigrid = build_hierarchy(ctx.team, ctx.world.isa, body, scales_at_build(ctx, body), *body.elements, body.state.hierarchy_x, body.state.hierarchy_held, system.A);
     system.multigrid->hold(held_by_row(body));
+    body.state.solver[kMemoryInherited] = 0;
 }
 
 /// Asks for a hierarchy of the body as it stands. The one at work goes on meanwhile.
-void ask_for_next(Body& body) {
+void ask_for_next(Body& body, std::int32_t steps = kStepsToBuild) {
     std::vector<std::int32_t>& m = body.state.solver;
-    if (m[kMemoryPending] > 0 && m[kMemoryPending] < kStepsToBuild) {  // it has begun
+    if (m[kMemoryPending] > 0 && m[kMemoryPending] < m[kMemoryAsked]) {  // it has begun
         m[kMemoryAgain] = 1;
         return;
     }
     body.state.next_x = body.state.x;
     body.state.next_held = held_bits(body);
-    m[kMemoryPending] = kStepsToBuild;
+    m[kMemoryPending] = m[kMemoryAsked] = steps;
     m[kMemoryAgain] = 0;
+}
+
+/// Sets a thread to the hierarchy that was asked for, unless one is at it.
+template <class Real>
+void begin_next(StepContext& ctx, Body& body, System<Real>& system) {
+    if (system.next) return;
+    system.next = std::make_unique<HierarchyBuild<Real>>();
+    HierarchyBuild<Real>& next = *system.next;
+    next.x = body.state.next_x;
+    next.held = body.state.next_held;
+    // Matrix and elements of its own: the steps go on with the body's.
+    next.thread = std::make_unique<Background>([&next, &body = std::as_const(body), isa = ctx.world.isa, scales = scales_at_build(ctx, body), tangent = ctx.world.def.solver.tangent] {
+        Team alone;
+        constexpr auto precision = sizeof(Real) == 4 ? fem::MatrixPrecision::single : fem::MatrixPrecision::double_;
+        const auto elements = make_body_elements(body, precision, tangent, isa, true);
+        solve::Bsr3<Real> A{&body.data().pattern, AlignedVector<Real>(body.data().pattern.blocks() * 12)};
+        next.result = build_hierarchy(alone, isa, body, scales, *elements, next.x, next.held, A);
+    });
+}
+
+/// Waits for it, and puts it to work.
+template <class Real>
+void take_next(Body& body, System<Real>& system) {
+    std::vector<std::int32_t>& m = body.state.solver;
+    system.next->thread->wait();
+    system.multigrid = std::move(system.next->result);
+    system.next.reset();
+    std::swap(body.state.hierarchy_x, body.state.next_x);
+    std::swap(body.state.hierarchy_held, body.state.next_held);
+    system.multigrid->hold(held_by_row(body));
+    m[kMemoryPending] = m[kMemoryBase] = m[kMemorySlow] = m[kMemoryFallback] = m[kMemoryInherited] = 0;
 }
 
 /// Brings the next hierarchy on its way, and puts it to work when its steps have passed: always after the same number, ready or not, so that a run is the same every time.
@@ -125,29 +165,14 @@ template <class Real>
 void advance_next(StepContext& ctx, Body& body, System<Real>& system) {
     std::vector<std::int32_t>& m = body.state.solver;
     if (m[kMemoryPending] == 0) return;
-    if (!system.next) {
-        system.next = std::make_unique<HierarchyBuild<Real>>();
-        HierarchyBuild<Real>& next = *system.next;
-        next.inputs = hierarchy_inputs(ctx, body, system, body.state.next_x, body.state.next_held);
-        next.inputs.A = system.A;
-        next.thread = std::make_unique<Background>([&next, &data = body.data(), isa = ctx.world.isa] {
-            Team alone;
-            next.result = build_hierarchy(alone, data, isa, next.inputs, next.inputs.A);
-        });
-    }
+    begin_next(ctx, body, system);
     if (--m[kMemoryPending] > 0) return;
     if (ctx.world.def.solver.step_budget_us > 0 && !system.next->thread->done()) {
         ctx.report.flags |= StepFlag::late_preconditioner;
         m[kMemoryPending] = 1;
         return;
     }
-    system.next->thread->wait();
-    system.multigrid = std::move(system.next->result);
-    system.next.reset();
-    std::swap(body.state.hierarchy_x, body.state.next_x);
-    std::swap(body.state.hierarchy_held, body.state.next_held);
-    system.multigrid->hold(held_by_row(body));
-    m[kMemoryBase] = m[kMemorySlow] = m[kMemoryFallback] = 0;
+    take_next(body, system);
     if (m[kMemoryAgain] != 0) ask_for_next(body);
 }
 
@@ -155,7 +180,7 @@ void advance_next(StepContext& ctx, Body& body, System<Real>& system) {
 template <class Real>
 bool build_laplacian(StepContext& ctx, Body& body, System<Real>& system) {
     const std::vector<std::uint8_t> held = held_by_row(body);
-    assemble_configuration(ctx, body, system, body.state.hierarchy_x, held);
+    assemble_configuration(ctx.team, body, scales_at_build(ctx, body), *body.elements, body.state.hierarchy_x, held, system.A);
     system.laplacian = std::make_unique<solve::ScalarLaplacian<Real>>(body.vertices());
     return system.laplacian->build(system.A, held);
 }
@@ -172,8 +197,10 @@ PreconditionerKind first_choice(const Body& body, PreconditionerKind asked) {
 
 void set_kind(Body& body, PreconditionerKind kind) {
     with_system(body, [](auto& system) { system.next.reset(); });
+    const std::int32_t inherited = body.state.solver[kMemoryInherited];  // it lies there still
     body.state.solver.assign(kMemoryCount, 0);
     body.state.solver[kMemoryKind] = std::int32_t(kind);
+    body.state.solver[kMemoryInherited] = inherited;
     body.state.solver[kMemoryTrial] = kTrialEvery;
 }
 
@@ -392,6 +419,7 @@ std::vector<std::uint8_t> held_bits(const Body& body) {
 
 void drop_preconditioner(Body& body) {
     body.preconditioner_fits = false;
+    body.state.solver[kMemoryInherited] = 0;
     with_system(body, [](auto& system) { system.next.reset(); });
 }
 
@@ -407,6 +435,23 @@ void supports_have_changed(Body& body) {
     body.state.solver[kMemoryPending] = body.state.solver[kMemoryAgain] = 0;
 }
 
+void ready_for_edit(World::Impl& world, Body& body) {
+    if (kind_at_work(body) != PreconditionerKind::lattice_multigrid) return;
+    const std::vector<std::int32_t>& m = body.state.solver;
+    StepReport unread;
+    StepContext ctx{world.team_for(body.element_count()), world, unread, world.time_s()};
+    with_system(body, [&](auto& system) {
+        if (m[kMemoryPending] > 0 && m[kMemoryPending] <= kStepsToWaitFor) {
+            begin_next(ctx, body, system);
+            take_next(body, system);
+            body.preconditioner_fits = true;
+        } else if (!body.preconditioner_fits && m[kMemoryFallback] == 0) {
+            build_now(ctx, body, system);
+            body.preconditioner_fits = true;
+        }
+    });
+}
+
 void begin_after_edit(Body& body, const std::vector<std::int32_t>& before) {
     std::vector<std::int32_t>& m = body.state.solver;
     m.assign(kMemoryCount, 0);
@@ -419,10 +464,72 @@ void begin_after_edit(Body& body, const std::vector<std::int32_t>& before) {
     ask_for_next(body);
 }
 
+void inherit_preconditioner(Body& from, Body& body, const TopologyDelta& delta, Isa isa) {
+    std::vector<std::int32_t>& m = body.state.solver;
+    if (m[kMemoryFallback] == 0 || !from.preconditioner_fits || kind_at_work(from) != PreconditionerKind::lattice_multigrid) return;
+    std::vector<std::array<std::int32_t, 4>> parent(body.vertices());  // [row] rows
+    std::vector<std::array<double, 4>> weight(body.vertices());
+    for (std::size_t row = 0; row < parent.size(); ++row) {
+        const auto& parents = delta.vertex_parents[std::size_t(body.data().pattern.vertex[row])];
+        for (std::size_t k = 0; k < 4; ++k) parent[row][k] = parents.vertex[k] < 0 ? -1 : from.row_of(parents.vertex[k]);
+        weight[row] = parents.weight;
+    }
+    std::vector<std::int32_t> rotation = delta.element_to_new;
+    for (std::size_t e = delta.element_parent.size(); e-- > 0;) {  // of parts the first
+        if (delta.element_parent[e] >= 0 && delta.element_to_new[std::size_t(delta.element_parent[e])] < 0) rotation[std::size_t(delta.element_parent[e])] = std::int32_t(e);
+    }
+    const auto take = [&]<class Real>(System<Real>& system) {
+        System<Real>& old = std::get<System<Real>>(from.system);
+        system.multigrid = std::make_unique<solve::LatticeMultigrid<Real>>(body.data().pattern, isa);
+        system.multigrid->follow(*old.multigrid, {parent, weight, rotation});
+        system.multigrid->hold(held_by_row(body));
+    };
+    with_system(body, take);
+    from.preconditioner_fits = false;
+    body.preconditioner_fits = true;
+    m[kMemoryBase] = from.state.solver[kMemoryBase];
+    m[kMemoryPending] = m[kMemoryAgain] = m[kMemoryFallback] = 0;
+    m[kMemoryInherited] = 1;
+    ask_for_next(body, kStepsAfterEdit);
+}
+
+void write_inherited(ByteWriter& out, const Body& body) {
+    if (body.state.solver[kMemoryInherited] == 0) return;
+    std::visit(
+        [&](const auto& system) {
+            if constexpr (!std::is_same_v<std::remove_cvref_t<decltype(system)>, std::monostate>) system.multigrid->save(out);
+        },
+        body.system);
+}
+
+void read_inherited(ByteReader& in, const BodyState& state, const Body& body, Isa isa, Inherited& to) {
+    if (state.solver[kMemoryInherited] == 0) return;
+    Team alone;
+    const auto read = [&]<class Real>(const System<Real>&) {
+        auto made = std::make_unique<solve::LatticeMultigrid<Real>>(body.data().pattern, isa);
+        made->load(alone, in, body.element_count());
+        to = std::move(made);
+    };
+    if (const auto* single = std::get_if<System<float>>(&body.system)) read(*single);
+    if (const auto* dbl = std::get_if<System<double>>(&body.system)) read(*dbl);
+}
+
 void restart_preconditioner(Body& body, BodyState& state) {
-    const bool built_alike = body.preconditioner_fits && state.hierarchy_x == body.state.hierarchy_x && state.hierarchy_held == body.state.hierarchy_held;
+    const bool built_alike = body.preconditioner_fits && body.state.solver[kMemoryInherited] == 0 && state.solver[kMemoryInherited] == 0 &&
+                             state.hierarchy_x == body.state.hierarchy_x && state.hierarchy_held == body.state.hierarchy_held;
     if (!built_alike) return drop_preconditioner(body);
     with_system(body, [](auto& system) { system.next.reset(); });
+}
+
+void take_inherited(Body& body, Inherited inherited) {
+    const auto take = [&]<class Real>(System<Real>& system) {
+        auto* made = std::get_if<std::unique_ptr<solve::LatticeMultigrid<Real>>>(&inherited);
+        if (made == nullptr) return;
+        system.multigrid = std::move(*made);
+        system.multigrid->hold(held_by_row(body));
+        body.preconditioner_fits = true;
+    };
+    with_system(body, take);
 }
 
 void prepare_preconditioner(StepContext& ctx, Body& body) {

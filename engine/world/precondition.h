@@ -14,8 +14,10 @@ enum SolverMemory : std::size_t {
     kMemoryTrial,       ///< solves until block-Jacobi is tried again
     kMemoryBroken,      ///< solves that block-Jacobi stands in for a preconditioner that broke down
     kMemoryPending,     ///< steps until the hierarchy under way takes over, 0: none is
+    kMemoryAsked,       ///< how many there were when it was asked for: fewer now, it has begun
     kMemoryAgain,       ///< 1: another one is wanted after it
-    kMemoryFallback,    ///< 1: block-Jacobi until the hierarchy under way takes over: the mesh was edited
+    kMemoryFallback,    ///< 1: block-Jacobi until the hierarchy under way takes over: the mesh was edited, and there was none to take over
+    kMemoryInherited,   ///< 1: the hierarchy at work is that of the mesh before an edit
     kMemoryCount
 };
 
@@ -29,8 +31,20 @@ std::vector<std::uint8_t> held_bits(const Body& body);
 /// What was built in `body` no longer fits its inputs: material, restored state.
 void drop_preconditioner(Body& body);
 
+/// Before an edit: builds what the body's next step would, so that the edit has it to hand on. Allocates.
+void ready_for_edit(World::Impl& world, Body& body);
 /// The body is that of an edit of one with the memory `before`: what was at work there is built beside the steps, and block-Jacobi stands in meanwhile.
 void begin_after_edit(Body& body, const std::vector<std::int32_t>& before);
+/// Then, where `from` has a hierarchy, it is that which stands in: its coarse levels go over. Nothing of it is left in `from`.
+/// @param delta  of the edit; vertices and parts without parents are left to the smoother
+void inherit_preconditioner(Body& from, Body& body, const TopologyDelta& delta, Isa isa);
+
+/// A hierarchy that was taken over cannot be built again from the state: a snapshot holds it.
+using Inherited = std::variant<std::monostate, std::unique_ptr<solve::LatticeMultigrid<float>>, std::unique_ptr<solve::LatticeMultigrid<double>>>;
+void write_inherited(ByteWriter& out, const Body& body);
+/// @error Error(corrupt_snapshot)
+void read_inherited(ByteReader& in, const BodyState& state, const Body& body, Isa isa, Inherited& to);
+void take_inherited(Body& body, Inherited inherited);
 
 /// The body is about to take over a state of another time: keeps what was built if it was built from the same.
 void restart_preconditioner(Body& body, BodyState& state);

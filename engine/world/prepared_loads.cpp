@@ -250,8 +250,8 @@ std::vector<std::int32_t> select_some(const TemplateData& data, const std::strin
     std::vector<std::int32_t> vertices = select_vertices(data.mesh, where);
     if (vertices.empty()) {
         auto text = [](const Vec3& p) { return "(" + to_text(p.x()) + ", " + to_text(p.y()) + ", " + to_text(p.z()) + ")"; };
-        refuse(what, "the selection holds no vertex of \"" + body_name + "\"; its rest shape spans " + text(data.report.min_m) + " to " +
-                         text(data.report.max_m) + " m");
+        refuse(what, "the selection holds no vertex of \"" + body_name + "\"; its rest shape spans " + text(data.min_m) + " to " +
+                         text(data.max_m) + " m");
     }
     return vertices;
 }

@@ -11,7 +11,7 @@ namespace supple {
 namespace {
 
 constexpr std::uint64_t kMagic = 0x31504e53504c5053ULL;  // "SPLPSNP1", little-endian
-constexpr std::uint32_t kVersion = 6;
+constexpr std::uint32_t kVersion = 7;
 
 std::uint64_t checksum(std::span<const std::byte> bytes) {
     Hasher hasher;
@@ -149,6 +149,7 @@ std::vector<std::byte> World::save() const {
         write_edits(out, *w.slots[slot].body);
         out.value(layout_hash(*w.slots[slot].body));
         BodyState::for_each_field(w.slots[slot].body->state, [&](const char*, const auto& field) { out.array(field); });
+        write_inherited(out, *w.slots[slot].body);
     }
     out.value(std::uint64_t(w.drags.size()));
     for (const Drag& drag : w.drags) write(out, drag);
@@ -194,6 +195,7 @@ void World::restore(std::span<const std::byte> snapshot) {
     const bool sealed = seal.value<std::uint64_t>("checksum") == checksum(contents);
     // Everything is read into copies first: a bad snapshot leaves the world as it was.
     std::vector<BodyState> states;
+    std::vector<Inherited> inherited;
     std::vector<std::unique_ptr<Body>> edited;  ///< bodies of other edits than those here; null: as here
     for (const std::uint32_t slot : w.order) {
         const auto index = in.value<std::uint32_t>("body id");
@@ -211,6 +213,9 @@ void World::restore(std::span<const std::byte> snapshot) {
             }
         });
         check_contacts(states.back().contacts, body);
+        if (!sealed && states.back().solver[kMemoryInherited] != 0) differs("its bytes were changed after it was saved");
+        inherited.emplace_back();
+        read_inherited(in, states.back(), body, w.isa, inherited.back());
         if (layout != layout_hash(body)) {
             differs("the elements of \"" + body.name + "\" are grouped into other laws: set the materials it had when it was saved first");
         }
@@ -248,6 +253,7 @@ void World::restore(std::span<const std::byte> snapshot) {
         Body& body = *w.slots[w.order[i]].body;
         restart_preconditioner(body, states[i]);
         std::swap(body.state, states[i]);
+        take_inherited(body, std::move(inherited[i]));
         body.supports_changed = true;
         body.stress.valid = false;
     }

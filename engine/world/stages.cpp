@@ -123,7 +123,7 @@ bool is_finite(StepContext& ctx, Body& body) {
         for (std::size_t i = begin; i < last; ++i) sum += (end(i) - first).squaredNorm() + 1e-300 * w.v0[i].squaredNorm();
         return sum;
     });
-    const MeshReport& rest = body.data().report;
+    const TemplateData& rest = body.data();
     const double limit = kBlownUp * (rest.max_m - rest.min_m).norm();
     return first.allFinite() && spread <= limit * limit * double(body.vertices());
 }

@@ -27,6 +27,12 @@ void mix(const std::vector<Vec3>& from, const TopologyDelta& delta, std::vector<
             to[v] = from[std::size_t(p.vertex[0])];
             continue;
         }
+        bool alike = true;  // merged where they were one: to the bit, too
+        for (std::size_t k = 1; k < 4 && p.vertex[k] >= 0; ++k) alike = alike && from[std::size_t(p.vertex[k])] == from[std::size_t(p.vertex[0])];
+        if (alike) {
+            to[v] = from[std::size_t(p.vertex[0])];
+            continue;
+        }
         to[v] = Vec3::Zero();
         for (std::size_t k = 0; k < 4 && p.vertex[k] >= 0; ++k) to[v] += p.weight[k] * from[std::size_t(p.vertex[k])];
     }
@@ -51,7 +57,7 @@ void transfer(const BodyState& from, const fem::ElementLayout& was, const Topolo
     to.moving = from.moving;
     to.frozen = from.frozen;
     for (std::size_t v = 0; v < delta.vertex_to_new.size(); ++v)  // a force, not a field: copies have none
-        if (delta.vertex_to_new[v] >= 0) to.reaction[std::size_t(delta.vertex_to_new[v])] = from.reaction[v];
+        if (delta.vertex_to_new[v] >= 0) to.reaction[std::size_t(delta.vertex_to_new[v])] += from.reaction[v];
     inherit(from.quaternion, was, delta, is, 4, to.quaternion);
     inherit(from.plastic, was, delta, is, 6, to.plastic);
     to.contacts.clear();
@@ -112,7 +118,7 @@ BodyDef follow(const BodyDef& def, std::shared_ptr<const BodyTemplate> shape, co
 
 std::unique_ptr<Body> make_edited(const Body& from, const MeshEdit& edit, const WorldDef& world, Isa isa) {
     const TopologyDelta& delta = edit.delta;
-    auto shape = BodyTemplate::build(edit.mesh);
+    auto shape = from.shape->edited(edit);
     if (shape->mesh().element_count() != delta.element_parent.size())  // no edit of ours makes such, a snapshot's bytes may
         throw Error(ErrorCode::invalid_argument, from.name, "the edited mesh has elements that are flat or repeat a vertex");
     auto body = make_body(follow(from.def, shape, edit), world, 0, isa);
@@ -123,8 +129,12 @@ std::unique_ptr<Body> make_edited(const Body& from, const MeshEdit& edit, const 
         for (std::size_t c = 0; c < 3; ++c) {
             std::int32_t& owner = body->owner[v * 3 + c];
             owner = from.owner[std::size_t(p.vertex[0]) * 3 + c];
-            for (std::size_t k = 1; k < 4 && p.vertex[k] >= 0; ++k)
-                if (from.owner[std::size_t(p.vertex[k]) * 3 + c] != owner) owner = kFree;
+            for (std::size_t k = 1; k < 4 && p.vertex[k] >= 0; ++k) {
+                const std::int32_t other = from.owner[std::size_t(p.vertex[k]) * 3 + c];
+                if (other == owner) continue;
+                if (!delta.is_merged(v)) owner = kFree;  // a point between
+                else if (owner == kFree) owner = other;  // who is held holds
+            }
         }
     }
     body->loads = from.loads.followed(from.data(), body->data(), delta, body->name);
@@ -135,7 +145,68 @@ std::unique_ptr<Body> make_edited(const Body& from, const MeshEdit& edit, const 
     return body;
 }
 
+namespace {
+
+/// Turns free vertices around their mass centre by as much as gives them an angular momentum: no linear momentum changes.
+bool turn_by(Body& body, std::vector<std::int32_t>& ids, const Vec3& spin) {
+    std::sort(ids.begin(), ids.end());
+    ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+    std::erase_if(ids, [&](std::int32_t v) { return body.is_held(std::size_t(v), 0) || body.is_held(std::size_t(v), 1) || body.is_held(std::size_t(v), 2); });
+    double mass = 0;
+    Vec3 centre = Vec3::Zero();
+    for (const std::int32_t v : ids) {
+        mass += body.mass[std::size_t(v)];
+        centre += body.mass[std::size_t(v)] * body.state.x[std::size_t(v)];
+    }
+    if (!(mass > 0)) return false;
+    centre /= mass;
+    Mat3 inertia = Mat3::Zero();
+    for (const std::int32_t v : ids) {
+        const Vec3 r = body.state.x[std::size_t(v)] - centre;
+        inertia += body.mass[std::size_t(v)] * (r.squaredNorm() * Mat3::Identity() - r * r.transpose());
+    }
+    const Eigen::SelfAdjointEigenSolver<Mat3> axes(inertia);
+    if (!(axes.eigenvalues()[0] > 1e-9 * axes.eigenvalues()[2])) return false;  // on a line: no velocity turns it
+    Vec3 omega = Vec3::Zero();
+    for (int k = 0; k < 3; ++k) omega += axes.eigenvectors().col(k) * (axes.eigenvectors().col(k).dot(spin) / axes.eigenvalues()[k]);
+    for (const std::int32_t v : ids) body.state.v[std::size_t(v)] += omega.cross(body.state.x[std::size_t(v)] - centre);
+    return true;
+}
+
+/// Vertices that went into one another lose the spin of their motion around their mean: the merged ones of the piece are turned by it, or the whole piece where they lie on a line.
+void conserve_merged_spin(const Body& from, Body& to, const TopologyDelta& delta) {
+    std::vector<std::int32_t> merged;
+    for (std::size_t v = 0; v < to.vertices(); ++v)
+        if (delta.is_merged(v)) merged.push_back(std::int32_t(v));
+    if (merged.empty()) return;
+    const VolumeMesh& mesh = to.data().mesh;
+    const Pieces pieces = find_pieces(mesh);
+    std::vector<std::vector<std::int32_t>> of_piece(pieces.volume_m3.size()), all(pieces.volume_m3.size());
+    std::vector<Vec3> lack(pieces.volume_m3.size(), Vec3::Zero());
+    std::vector<std::int32_t> piece(to.vertices(), 0);
+    for (std::size_t e = 0; e < mesh.element_count(); ++e)
+        for (const std::int32_t v : element_vertices(mesh, std::int32_t(e))) {
+            piece[std::size_t(v)] = pieces.of_element[e];
+            all[std::size_t(pieces.of_element[e])].push_back(v);
+        }
+    for (const std::int32_t v : merged) {
+        const auto i = std::size_t(v);
+        Vec3& missing = lack[std::size_t(piece[i])];
+        of_piece[std::size_t(piece[i])].push_back(v);
+        missing -= to.mass[i] * to.state.x[i].cross(to.state.v[i]);
+        for (std::size_t k = 0; k < 4 && delta.vertex_parents[i].vertex[k] >= 0; ++k) {
+            const auto was = std::size_t(delta.vertex_parents[i].vertex[k]);
+            missing += from.mass[was] * from.state.x[was].cross(from.state.v[was]);
+        }
+    }
+    for (std::size_t p = 0; p < lack.size(); ++p)
+        if (!of_piece[p].empty() && !turn_by(to, of_piece[p], lack[p])) turn_by(to, all[p], lack[p]);
+}
+
+}  // namespace
+
 void conserve_spin(const Body& from, Body& to, const TopologyDelta& delta) {
+    conserve_merged_spin(from, to, delta);
     const std::vector<std::int32_t> cut = delta.cut_elements();
     if (cut.empty()) return;
     const VolumeMesh& before = from.data().mesh;
@@ -166,32 +237,9 @@ void conserve_spin(const Body& from, Body& to, const TopologyDelta& delta) {
         const Spin part = spin_of(after.tets[e], to.state.x, to.state.v, delta.element_share[e] * mass);
         const auto piece = std::size_t(pieces.of_element[e]);
         lack[piece] += part.exact + delta.element_share[e] * (whole.lumped - whole.exact) - part.lumped;
-        for (const std::int32_t v : after.tets[e])
-            if (!to.is_held(std::size_t(v), 0) && !to.is_held(std::size_t(v), 1) && !to.is_held(std::size_t(v), 2)) vertices[piece].push_back(v);
+        vertices[piece].insert(vertices[piece].end(), after.tets[e].begin(), after.tets[e].end());
     }
-    for (std::size_t p = 0; p < lack.size(); ++p) {
-        std::vector<std::int32_t>& ids = vertices[p];
-        std::sort(ids.begin(), ids.end());
-        ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
-        double mass = 0;
-        Vec3 centre = Vec3::Zero();
-        for (const std::int32_t v : ids) {
-            mass += to.mass[std::size_t(v)];
-            centre += to.mass[std::size_t(v)] * to.state.x[std::size_t(v)];
-        }
-        if (!(mass > 0)) continue;
-        centre /= mass;
-        Mat3 inertia = Mat3::Zero();
-        for (const std::int32_t v : ids) {
-            const Vec3 r = to.state.x[std::size_t(v)] - centre;
-            inertia += to.mass[std::size_t(v)] * (r.squaredNorm() * Mat3::Identity() - r * r.transpose());
-        }
-        const Eigen::SelfAdjointEigenSolver<Mat3> axes(inertia);
-        if (!(axes.eigenvalues()[0] > 1e-9 * axes.eigenvalues()[2])) continue;  // on a line: no velocity turns it
-        Vec3 omega = Vec3::Zero();
-        for (int k = 0; k < 3; ++k) omega += axes.eigenvectors().col(k) * (axes.eigenvectors().col(k).dot(lack[p]) / axes.eigenvalues()[k]);
-        for (const std::int32_t v : ids) to.state.v[std::size_t(v)] += omega.cross(to.state.x[std::size_t(v)] - centre);
-    }
+    for (std::size_t p = 0; p < lack.size(); ++p) turn_by(to, vertices[p], lack[p]);
 }
 
 }  // namespace supple

@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 #include <mutex>
+#include <optional>
 
 #include "supple/fem/element_layout.h"
 #include "supple/fem/recovery.h"
@@ -13,7 +14,8 @@ namespace supple {
 /// blocks of elements have one of their own, along a curve through the rest shape, which nothing outside sees.
 struct TemplateData {
     VolumeMesh mesh;
-    MeshReport report;
+    Vec3 min_m = Vec3::Zero(), max_m = Vec3::Zero();  ///< bounding box of the vertices that elements use
+    std::optional<MeshReport> checked;            ///< none: mesh_report() makes it
     BoundarySurface boundary;
     std::vector<std::int32_t> boundary_vertices;  ///< ascending
     fem::ElementLayout layout;             ///< of bodies of one law: a group per kind of element
@@ -22,10 +24,13 @@ struct TemplateData {
 
     /// Made when first asked for; worlds on other threads may ask at the same time.
     const fem::RecoveryWeights& recovery(Recovery kind) const;
+    const MeshReport& mesh_report() const;
 
 private:
     mutable std::array<std::once_flag, 3> recovery_made_;
     mutable std::array<fem::RecoveryWeights, 3> recovery_;
+    mutable std::once_flag report_made_;
+    mutable MeshReport late_report_;
 };
 
 /// Gather maps of the groups of a layout of this mesh.

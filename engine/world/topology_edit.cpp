@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "supple/math/polar.h"
@@ -34,7 +35,7 @@ EditIdentity after(const EditIdentity& before, const TopologyDelta& delta) {
         std::vector<std::uint32_t> now(count);
         std::vector<char> kept(count, 0);
         for (std::size_t i = 0; i < to_new.size(); ++i) {
-            if (to_new[i] < 0) continue;
+            if (to_new[i] < 0 || kept[std::size_t(to_new[i])] != 0) continue;  // of merged ones the first
             now[std::size_t(to_new[i])] = ids[i];
             kept[std::size_t(to_new[i])] = 1;
         }
@@ -48,10 +49,14 @@ EditIdentity after(const EditIdentity& before, const TopologyDelta& delta) {
     return is;
 }
 
-/// The way back, vertex by vertex: copies to what they are copies of, points of a cut to the nearer end.
+/// The way back, vertex by vertex: copies to what they are copies of, points of a cut to the nearer end. What comes back has no parents.
 TopologyDelta turned_back(const TopologyDelta& delta) {
     TopologyDelta back;
     back.vertex_parents.resize(delta.vertex_to_new.size());
+    for (std::size_t v = 0; v < delta.vertex_to_new.size(); ++v)
+        if (delta.vertex_to_new[v] >= 0) back.vertex_parents[v] = {{delta.vertex_to_new[v], -1, -1, -1}, {1, 0, 0, 0}};
+    back.element_to_new = delta.element_parent;
+    back.element_parent = delta.element_to_new;
     for (const VertexParents& p : delta.vertex_parents) {
         const auto most = std::max_element(p.weight.begin(), p.weight.end()) - p.weight.begin();
         back.vertex_to_new.push_back(p.vertex[std::size_t(most)]);
@@ -62,6 +67,7 @@ TopologyDelta turned_back(const TopologyDelta& delta) {
 TopologyDelta apply(World::Impl& w, BodyId id, MeshEdit edit) {
     Body& from = w.body(id);
     if (edit.delta.is_identity()) return std::move(edit.delta);
+    ready_for_edit(w, from);
     auto body = make_edited(from, edit, w.def, w.isa);
     conserve_spin(from, *body, edit.delta);
     auto edits = std::make_unique<BodyEdits>();
@@ -76,6 +82,7 @@ TopologyDelta apply(World::Impl& w, BodyId id, MeshEdit edit) {
     if (edits->undo.size() > kUndoDepth) edits->undo.pop_front();
     body->edits = std::move(edits);
     const std::vector<Vec3> x_before = from.state.x;
+    inherit_preconditioner(from, *body, edit.delta, w.isa);
     replace_body(w, id, std::move(body));
     move_touch(w, id, edit.delta, x_before);
     return std::move(edit.delta);
@@ -116,9 +123,14 @@ bool follow_point(const TopologyDelta& delta, std::array<std::int32_t, 4>& verti
     for (std::size_t i = 0; i < std::size_t(corners); ++i) {
         const std::int32_t now = delta.vertex_to_new[std::size_t(vertices[i])];
         if (now < 0) continue;
+        sum += weights[i];
+        const auto twice = std::size_t(std::find(vertices.begin(), vertices.begin() + std::ptrdiff_t(kept), now) - vertices.begin());
+        if (twice < kept) {  // merged
+            weights[twice] += weights[i];
+            continue;
+        }
         vertices[kept] = now;
         weights[kept++] = weights[i];
-        sum += weights[i];
     }
     for (std::size_t i = kept; i < 4; ++i) {
         vertices[i] = -1;
@@ -162,9 +174,13 @@ void move_touch(World::Impl& w, BodyId id, const TopologyDelta& delta, const std
         for (std::size_t i = 0; i < drag.vertex.size(); ++i) {
             const std::int32_t now = delta.vertex_to_new[std::size_t(drag.vertex[i])];
             if (now < 0) continue;
+            sum += drag.weight[i];
+            if (const auto twice = std::find(drag.vertex.begin(), drag.vertex.begin() + std::ptrdiff_t(kept), now); twice != drag.vertex.begin() + std::ptrdiff_t(kept)) {
+                drag.weight[std::size_t(twice - drag.vertex.begin())] += drag.weight[i];  // merged
+                continue;
+            }
             drag.vertex[kept] = now;
             drag.weight[kept++] = drag.weight[i];
-            sum += drag.weight[i];
         }
         drag.vertex.resize(kept);
         drag.weight.resize(kept);
@@ -208,11 +224,22 @@ TopologyDelta World::cut(BodyId id, const mesh::TriangleMesh& blade, const CutDe
     return apply(*impl_, id, supple::cut(body.data().mesh, body.state.x, blade, def, report));
 }
 
+TopologyDelta World::heal(BodyId id, const HealDef& def, HealReport* report) {
+    const Body& body = impl_->body(id);
+    std::vector<double> weight = body.mass;
+    for (std::size_t v = 0; v < weight.size(); ++v)
+        if (body.is_held(v, 0) || body.is_held(v, 1) || body.is_held(v, 2)) weight[v] = std::numeric_limits<double>::infinity();  // a support does not give way
+    return apply(*impl_, id, supple::heal(body.data().mesh, body.state.x, weight, def, report));
+}
+
+TopologyDelta World::add_elements(BodyId id, const AddedElements& added) { return apply(*impl_, id, supple::add_elements(impl_->body(id).data().mesh, added)); }
+
 bool World::undo_edit(BodyId id) {
     Impl& w = *impl_;
     Body& from = w.body(id);
     if (!from.edits || from.edits->undo.empty()) return false;
     const BodyEdits::Step& step = from.edits->undo.back();
+    ready_for_edit(w, from);
     auto body = make_body(step.model.def, w.def, 0, w.isa);
     body->name = from.name;
     body->owner = step.model.owner;
@@ -231,6 +258,7 @@ bool World::undo_edit(BodyId id) {
     edits->undo.pop_back();
     body->edits = std::move(edits);
     const std::vector<Vec3> x_before = from.state.x;
+    inherit_preconditioner(from, *body, back, w.isa);
     replace_body(w, id, std::move(body));
     move_touch(w, id, back, x_before);
     return true;

@@ -95,7 +95,7 @@ BodyId World::add_body(const BodyDef& def) {
     while (slot < w.slots.size() && w.slots[slot].body) ++slot;
     auto body = make_body(def, w.def, slot, w.isa);
     if (w.def.log) {
-        for (const std::string& sentence : body->data().report.sentences()) w.def.log(LogLevel::warning, body->name + ": " + sentence);
+        for (const std::string& sentence : body->data().mesh_report().sentences()) w.def.log(LogLevel::warning, body->name + ": " + sentence);
     }
     warn_of_locking(w.def, *body);
     if (!w.crew && w.threads > 1 && body->element_count() >= kMinElementsForThreads) w.crew = std::make_unique<Team>(w.threads);

@@ -11,7 +11,7 @@
 #include "supple/base/log.h"
 #include "supple/material/material.h"
 #include "supple/math/isa.h"
-#include "supple/mesh/mesh_edit.h"
+#include "supple/mesh/mesh_grow.h"
 #include "supple/mesh/skin.h"
 #include "supple/world/attachment.h"
 #include "supple/world/body_template.h"
@@ -181,11 +181,15 @@ public:
     // -- topology: edits of a body's mesh between steps -----------------------------------------------
     // Vertices and elements are renumbered as the TopologyDelta says; their public ids stay. Positions, velocities, mass and momenta are kept (of each piece; a cut gives its
     // parts the spin that lumping masses anew would lose), so are materials, plastic strain, supports, loads, drags, attachments, contact and the skin; shape() is the new
-    // one. Copies and points of a cut are held where all their parents were. Drags and attachments let go of vertices that went, and end with their last one. A multigrid
-    // is rebuilt beside the steps, block-Jacobi stands in. An edit that changes nothing gives the identity. reset() keeps the mesh as it is. Strong guarantee.
+    // one. Copies and points of a cut are held where all their parents were. Drags and attachments let go of vertices that went, and end with their last one. A multigrid goes on
+    // with its coarse levels of before, and a new one is built beside the steps once the edits pause. An edit that changes nothing gives the identity. reset() keeps the mesh as it is. Strong guarantee.
     TopologyDelta remove_elements(BodyId body, std::span<const std::int32_t> elements);  ///< @error as supple::remove_elements()
     TopologyDelta tear(BodyId body, std::span<const ElementFace> faces);                 ///< @error as supple::separate_faces()
     TopologyDelta cut(BodyId body, const mesh::TriangleMesh& blade, const CutDef& def = {}, CutReport* report = nullptr);  ///< blade in the world, now. @error as supple::cut()
+    /// Glues lips of cuts and tears that are within a gap now. Mass and momenta are kept; a vertex glued to a held one is held. @error as supple::heal()
+    TopologyDelta heal(BodyId body, const HealDef& def = {}, HealReport* report = nullptr);
+    /// New matter on the body, rest positions in the frame of shape(). New vertices move with what they are continued from, so momenta grow by those of the new mass. @error as supple::add_elements()
+    TopologyDelta add_elements(BodyId body, const AddedElements& added);
     bool undo_edit(BodyId body);                                    ///< the body as it stood before its last edit, eight at most; false: there is none
     std::uint64_t edit_count(BodyId body) const;                    ///< grows with every edit and undo: whoever keeps indices looks here
     std::vector<std::uint32_t> vertex_ids(BodyId body) const;       ///< stable, per vertex; never given twice

@@ -40,6 +40,27 @@ SuppleStatus supple_world_cut(SuppleWorld* world, SuppleBodyId body, const doubl
     });
 }
 
+SuppleStatus supple_world_heal(SuppleWorld* world, SuppleBodyId body, double gap_m, size_t* out_count) {
+    return guarded([&] {
+        supple::HealReport report;
+        required(world, "supple_world_heal", "world").world.heal(id(body), {.gap_m = gap_m}, &report);
+        if (out_count != nullptr) *out_count = report.merged;
+    });
+}
+
+SuppleStatus supple_world_add_tets(SuppleWorld* world, SuppleBodyId body, const double* vertices_m, size_t vertex_count, const int32_t* tets, size_t tet_count, int32_t source) {
+    return guarded([&] {
+        required(world, "supple_world_add_tets", "world");
+        if (vertex_count > 0) required(vertices_m, "supple_world_add_tets", "vertices_m");
+        if (tet_count > 0) required(tets, "supple_world_add_tets", "tets");
+        supple::AddedElements added;
+        added.vertices = points(vertices_m, vertex_count);
+        for (std::size_t i = 0; i < tet_count; ++i) added.tets.push_back({tets[4 * i], tets[4 * i + 1], tets[4 * i + 2], tets[4 * i + 3]});
+        added.source = {source};
+        world->world.add_elements(id(body), added);
+    });
+}
+
 SuppleStatus supple_world_undo_edit(SuppleWorld* world, SuppleBodyId body, int32_t* out_undone) {
     return guarded([&] {
         const bool undone = required(world, "supple_world_undo_edit", "world").world.undo_edit(id(body));

@@ -237,6 +237,10 @@ SuppleStatus supple_world_tie(SuppleWorld* world, SuppleBodyId body, SuppleBodyI
 SuppleStatus supple_world_remove_elements(SuppleWorld* world, SuppleBodyId body, const int32_t* elements, size_t count, size_t* out_count);
 /* Cuts with the strip that a polyline of point_count xyz triples sweeps between two poses, in the world. */
 SuppleStatus supple_world_cut(SuppleWorld* world, SuppleBodyId body, const double* from_m, const double* to_m, size_t point_count, size_t* out_count);
+/* Glues lips of cuts that are within gap_m of one another now. out_count: vertices that went into another one. */
+SuppleStatus supple_world_heal(SuppleWorld* world, SuppleBodyId body, double gap_m, size_t* out_count);
+/* Adds tets of four vertex indices each: those of the body, then new ones, whose rest positions are vertex_count xyz triples. All take over matter, region and motion of the tet `source`. */
+SuppleStatus supple_world_add_tets(SuppleWorld* world, SuppleBodyId body, const double* vertices_m, size_t vertex_count, const int32_t* tets, size_t tet_count, int32_t source);
 SuppleStatus supple_world_undo_edit(SuppleWorld* world, SuppleBodyId body, int32_t* out_undone); /* 1: undone; 0: there was nothing to undo */
 /* Makes bodies of the pieces without support. Writes at most `capacity` of their ids; out_count gets how many there are. */
 SuppleStatus supple_world_split_off_pieces(SuppleWorld* world, SuppleBodyId body, SuppleBodyId* bodies, size_t capacity, size_t* out_count);
