@@ -178,7 +178,8 @@ void run_edits(int kind, std::uint64_t seed, int edits, EditCounts& counts) {
             const TopologyDelta both = compose(edit.delta, closed.delta);
             ASSERT_EQ(both.vertex_parents.size(), closed.mesh.vertices.size());
             ASSERT_EQ(both.element_parent.size(), closed.mesh.element_count());
-            if (seed % 2 == 1) {  // goes on from there; of the others the maps of all edits are composed
+            if (seed % 2 == 1) {  // goes on from there; of the others all maps together are checked
+                all = compose(all, both);
                 m = closed.mesh;
                 continue;
             }

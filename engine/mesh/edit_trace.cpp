@@ -87,7 +87,7 @@ EditTrace trace_edit(const VolumeMesh& before, const VolumeMesh& after, const To
     return trace;
 }
 
-BoundarySurface follow_boundary(const VolumeMesh& before, const BoundarySurface& was, const VolumeMesh& after, const EditTrace& trace) {
+BoundarySurface follow_boundary(const BoundarySurface& was, const VolumeMesh& after, const EditTrace& trace) {
     const auto touched = [&](std::int32_t v) { return trace.old_vertex[std::size_t(v)] < 0; };
     const auto all_touched = [&](const Face& f) { return std::all_of(f.vertices.begin(), f.vertices.begin() + f.corners, touched); };
     std::vector<HalfFace> kept, matched, open;

@@ -18,6 +18,6 @@ EditTrace trace_edit(const VolumeMesh& before, const VolumeMesh& after, const To
 
 /// extract_boundary(after), found from the boundary before: the same to the last index. O(n), sorts only where the edit was.
 /// @pre trace.ordered
-BoundarySurface follow_boundary(const VolumeMesh& before, const BoundarySurface& was, const VolumeMesh& after, const EditTrace& trace);
+BoundarySurface follow_boundary(const BoundarySurface& was, const VolumeMesh& after, const EditTrace& trace);
 
 }  // namespace supple

@@ -110,7 +110,7 @@ std::shared_ptr<const BodyTemplate> BodyTemplate::edited(const MeshEdit& edit) c
     auto data = std::make_unique<TemplateData>();
     TemplateData& is = *data;
     is.mesh = edit.mesh;
-    is.boundary = follow_boundary(was.mesh, was.boundary, is.mesh, trace);
+    is.boundary = follow_boundary(was.boundary, is.mesh, trace);
     is.boundary_vertices = vertices_of(is.boundary, is.mesh.vertices.size());
     is.min_m = is.max_m = is.mesh.vertices[std::size_t(is.boundary_vertices[0])];
     for (const std::int32_t v : is.boundary_vertices) {
