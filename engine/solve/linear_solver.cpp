@@ -235,7 +235,8 @@ LinearSolveResult LinearSolver<Real>::solve(Team& team, std::span<const SystemPa
     if (result.indefinite) return result;
     import(team, b, r_.data());
     if (joint_ != nullptr) {
-        result.energy_target = def.energy_tolerance > 0 ? def.energy_tolerance * std::sqrt(std::max(0.0, precondition(team, parts, r_.data(), z_.data()))) : def.energy_target;
+        const double size = def.energy_tolerance > 0 ? std::sqrt(std::max(0.0, precondition(team, parts, r_.data(), z_.data()))) : 0;
+        result.energy_target = std::max(def.energy_target, def.energy_tolerance * size);
     }
     warm_start(team, parts, appended, guesses, x);
     double recurrence = std::sqrt(square(team, r_.data()));

@@ -16,7 +16,7 @@ void end_colliders(StepContext& ctx);
 void find_contacts(StepContext& ctx, std::span<Member> members);
 /// Those of a body with another whose box its own box meets, or with itself, where both surfaces know where they would end (ContactSurface::end).
 void find_body_contacts(StepContext& ctx, Member& member, Member& other);
-/// Those of its sharp edges with the other's; once for two bodies.
+/// Those of its sharp edges with the other's; once for two bodies, after what find_body_contacts() finds on both sides.
 void find_edge_contacts(StepContext& ctx, Member& member, Member& other);
 /// Whether two bodies, or one with itself, are to touch where they meet.
 bool may_touch(const World::Impl& world, const Member& a, const Member& b);
@@ -53,8 +53,13 @@ struct ContactCheck {
     bool raised = false;  ///< contacts were too deep and are stiffer now
     double error = 0;     ///< sum of the differences, as part of the sum of forces
 };
-/// Models at the solution dv, if they disagree with it. Where `raise`, contacts that are too deep become stiffer. `last`: only looks.
-ContactCheck update_contacts(StepContext& ctx, Island& island, bool raise, bool last);
+/// What a solve may leave: |r|, and sqrt(r.A^-1 r) where that is not zero.
+struct Unsolved {
+    double residual = 0, energy = 0;
+};
+/// Models at the solution dv, if they disagree with it by more than half a percent and by more than the solve itself may leave. Where `raise`, contacts that are too
+/// deep become stiffer. `last`: only looks.
+ContactCheck update_contacts(StepContext& ctx, Island& island, const Unsolved& may_leave, bool raise, bool last);
 /// True if the solution has led so far from where the contacts were looked for that there may be others.
 bool contacts_are_stale(StepContext& ctx, const Island& island);
 

@@ -374,15 +374,19 @@ void find_contacts(StepContext& ctx, std::span<Member> members) {
     auto near = world.near.begin();
     for (std::size_t i = 0; i < members.size(); ++i) {
         Member& member = members[i];
-        Body& body = *member.body;
-        body.contacts.list.clear();
-        if (world.living_colliders > 0) find_touching(ctx, body);
+        member.body->contacts.list.clear();
+        if (world.living_colliders > 0) find_touching(ctx, *member.body);
         for (; near != world.near.end() && std::size_t((*near)[0]) == i; ++near) {
             Member& other = members[std::size_t((*near)[1])];
-            if (!may_touch(world, member, other)) continue;
-            find_body_contacts(ctx, member, other);
-            if (&other >= &member) find_edge_contacts(ctx, member, other);
+            if (may_touch(world, member, other)) find_body_contacts(ctx, member, other);
         }
+    }
+    for (const auto& [one, two] : world.near) {
+        Member &member = members[std::size_t(one)], &other = members[std::size_t(two)];
+        if (one <= two && may_touch(world, member, other)) find_edge_contacts(ctx, member, other);
+    }
+    for (Member& member : members) {
+        Body& body = *member.body;
         if (world.living_attachments > 0) find_attachments(ctx, member, members);
         if (body.contacts.list.empty()) continue;
         sort_and_remember(world, body);

@@ -23,6 +23,8 @@ constexpr double kReach = 1;          // mean edges: how deep edges may be that 
 constexpr double kCross = 0.1;        // sine of the angle between edges that cross; less, and the vertices see them
 constexpr double kInside = 1e-6;      // of the edges: nearer to its end a point is a vertex's
 constexpr double kBetween = 0.02;     // sine by which n may leave the arc between the normals: bodies are soft
+constexpr double kRim = 0.97;         // cosine between n and the normal of a face that it counts as along
+constexpr double kBeside = 0.01;      // of the watched gap
 constexpr double kFollow = 0.5;       // of the watched gap: longer ways are followed
 constexpr double kApart = 1;          // mean edges at rest: nearer parts of one surface do not touch one another
 
@@ -138,6 +140,21 @@ Vec3 direction(const Pair& p, const SharpEdge& own, const SharpEdge& other, cons
     return between(n, v, b1, b2) && between(Vec3(-n), u, a1, a2) ? n : Vec3(Vec3::Zero());
 }
 
+/// True if n lies along a face at one of the edges, and an end of an edge touches the other body: the rim of two faces that press on one another. Their vertices carry them
+/// where there are any.
+bool seen_by_vertices(const Pair& p, const SharpEdge& own, const SharpEdge& other, const Vec3& n) {
+    double along = 0;
+    for (const std::size_t i : {0, 1}) along = std::max({along, -n.dot(p.one.normal(own, i)), n.dot(p.two.normal(other, i))});
+    if (along < kRim) return false;
+    const auto touches = [&](const Side& side, const SharpEdge& edge, const Body& against) {
+        return std::any_of(side.body.contacts.list.begin(), side.body.contacts.list.end(), [&](const Contact& c) {
+            if (c.other != &against || c.corners != 1 || (c.vertex[0] != edge.vertex[0] && c.vertex[0] != edge.vertex[1])) return false;
+            return c.z_ref.cross(c.normal).norm() < kBeside * p.margin_m;  // over a face, not beside it
+        });
+    };
+    return touches(p.one, own, p.two.body) || touches(p.two, other, p.one.body);
+}
+
 void look_at_pair(Pair& p, std::int32_t e, std::int32_t f) {
     const SharpEdge &own = p.one.edge(e), &other = p.two.edge(f);
     if (p.self && (f <= e || neighbours(p, own, other))) return;
@@ -157,7 +174,7 @@ void look_at_pair(Pair& p, std::int32_t e, std::int32_t f) {
             const Vec3 ut = u0 + *time * u, vt = v0 + *time * v;
             const Crossing x = crossing_of(a0 + *time * (a1 - a0), ut, b0 + *time * (b1 - b0), vt);
             const Vec3 n = x.good ? direction(p, own, other, x, ut, vt) : Vec3(Vec3::Zero());
-            if (!n.isZero(0)) return add_contact(p, e, f, x, n, *time);
+            if (!n.isZero(0) && !seen_by_vertices(p, own, other, n)) return add_contact(p, e, f, x, n, *time);
         }
     }
     const Crossing x = crossing_of(a1, u1, b1, v1);
@@ -169,7 +186,7 @@ void look_at_pair(Pair& p, std::int32_t e, std::int32_t f) {
     const double gap = n.dot(s);
     if (gap > p.margin_m) return;
     if (gap < 0 && (p.self || gap < -p.margin_m) && !remembered(p, own, f)) return;
-    add_contact(p, e, f, x, n, -1);
+    if (!seen_by_vertices(p, own, other, n)) add_contact(p, e, f, x, n, -1);
 }
 
 }  // namespace

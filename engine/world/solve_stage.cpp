@@ -239,10 +239,10 @@ void drop_drags(World::Impl& world, BodyId id) {
 namespace {
 
 /// After a solve: what it has led to is what it was told. If not, contacts and springs have been told anew, and it must be repeated from where it is.
-bool touch_agrees(StepContext& ctx, Island& island, TouchRounds& rounds) {
+bool touch_agrees(StepContext& ctx, Island& island, const Unsolved& may_leave, TouchRounds& rounds) {
     const bool last = ++rounds.solves >= ctx.world.def.solver.contact_iterations;
     const bool capped = cap_drags(ctx, island);
-    const ContactCheck check = update_contacts(ctx, island, rounds.raises > 0, last && !capped);
+    const ContactCheck check = update_contacts(ctx, island, may_leave, rounds.raises > 0, last && !capped);
     if (check.raised) --rounds.raises;
     if (last && !capped) {
         if (check.error > kWorstContacts) ctx.report.flags |= StepFlag::contact_cap;
@@ -264,7 +264,11 @@ Solved solve_system(StepContext& ctx, Island& island, double floor, double toler
     if (!first || is_static(ctx)) find_contacts(ctx, island.members);  // begin_touch did, and v0 stands there still
     TouchRounds rounds;
     solve::LinearSolveDef solve_def;
+    solve_def.max_iterations = def.cg_max_iterations;
+    solve_def.deadline_ns = ctx.deadline_ns;
+    solve_def.only_definite = !island.members[0].body->work.project;
     double rhs_norm = 0;
+    Unsolved may_leave;
     for (bool again = false;; again = true) {
         append_touch(ctx, island);
         const auto missing = again ? &Workspace::residual : &Workspace::rhs;  // rhs stays that of v0: line searches ask for it
@@ -280,11 +284,7 @@ Solved solve_system(StepContext& ctx, Island& island, double floor, double toler
         if (!again) {
             rhs_norm = norm;
             // Once above the floor, well below it: or the next step would be above it again.
-            solve_def.target = std::max(tolerance * rhs_norm, rhs_norm > floor ? 0.3 * floor : floor);
-            solve_def.energy_tolerance = rhs_norm > 0 ? solve_def.target / rhs_norm : 0;
-            solve_def.max_iterations = def.cg_max_iterations;
-            solve_def.deadline_ns = ctx.deadline_ns;
-            solve_def.only_definite = !island.members[0].body->work.project;
+            may_leave.residual = std::max(tolerance * rhs_norm, rhs_norm > floor ? 0.3 * floor : floor);
         }
         const bool warm = first && !again && !is_static(ctx);
         solve::LinearSolveResult result;
@@ -292,17 +292,18 @@ Solved solve_system(StepContext& ctx, Island& island, double floor, double toler
             result.converged = true;
             result.residual = free_norm(ctx, island, &Workspace::residual);
         } else {
+            // Of the first right-hand side, in its energy: later rounds go as far, not as far in proportion.
+            solve_def.target = may_leave.residual;
+            solve_def.energy_target = may_leave.energy;
+            solve_def.energy_tolerance = !again && norm > 0 ? may_leave.residual / norm : 0;
             result = solve_preconditioned(ctx, island, warm, solve_def, first && !again, [&] { true_residual(ctx, island); });
-        }
-        if (!again) {  // later rounds go as far as the first, not as far in proportion
-            solve_def.energy_target = result.energy_target;
-            solve_def.energy_tolerance = 0;
+            if (!again) may_leave.energy = result.energy_target;
         }
         ctx.report.cg_iterations += result.iterations;
         if (result.indefinite) return Solved::indefinite;
         if (!std::isfinite(result.residual)) return Solved::not_finite;
         report_solve(ctx, island, result, std::max(rhs_norm, floor / tolerance));
-        if (result.out_of_time || touch_agrees(ctx, island, rounds)) return Solved::yes;
+        if (result.out_of_time || touch_agrees(ctx, island, may_leave, rounds)) return Solved::yes;
         ++ctx.report.contact_iterations;
     }
 }
