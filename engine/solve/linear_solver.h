@@ -12,8 +12,8 @@ class JointPreconditioner;
 
 struct LinearSolveDef {
     double target = 0;             ///< stop at |r| <= target, in float64
-    double energy_target = 0;      ///< with a joint preconditioner: and at sqrt(r . P^-1 r) <= this. Stiff rows make |b| large and their residual is the first to go
-    double energy_tolerance = 0;   ///< takes the place of energy_target: part of sqrt(b . P^-1 b)
+    double energy_target = 0;      ///< with a joint preconditioner: and at sqrt(r . P^-1 r) <= this. Stiff rows make |b| large, and their residual is the first to go
+    double energy_tolerance = 0;   ///< with a joint preconditioner: energy_target is no less than this part of sqrt(b . P^-1 b)
     int max_iterations = 2000;     ///< over all passes
     bool only_definite = false;    ///< end, without a solution, as soon as the matrix proves to be indefinite
     std::int64_t deadline_ns = 0;  ///< on the clock of now_ns(), base/clock.h: no iteration begins after it; 0 = none

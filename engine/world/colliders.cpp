@@ -211,6 +211,8 @@ void end_colliders(StepContext& ctx) {
         ctx.report.contact_bytes += body.contacts.list.capacity() * sizeof(Contact) + body.contacts.report.capacity() * sizeof(ContactPoint) +
                                     body.state.contacts.capacity() * sizeof(ContactMemory);
     }
+    if (world.joint_single) ctx.report.contact_bytes += world.joint_single->preconditioner.bytes();
+    if (world.joint_double) ctx.report.contact_bytes += world.joint_double->preconditioner.bytes();
     for (const Collider& c : world.colliders) ctx.report.contact_bytes += c.row.capacity() * sizeof(std::int32_t) + c.block.capacity() * sizeof(solve::Mat36);
 }
 

@@ -79,7 +79,7 @@ ContactSurface::ContactSurface(const TemplateData& data)
 void ContactSurface::fit(std::span<const Triangle> triangles, std::span<const Vec3> start) {
     if (fitted) return;
     fitted = true;
-    tree.refit(start, end, margin_m);
+    tree.refit(start, end);
     normal.resize(triangles.size());
     for (std::size_t t = 0; t < triangles.size(); ++t) {
         const Vec3& a = end[std::size_t(triangles[t][0])];

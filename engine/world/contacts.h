@@ -90,10 +90,10 @@ struct ContactSurface {
     double mean_edge_m = 0, longest_edge_m = 0;
     std::vector<Vec3> end;               ///< [vertex] where it would be at the end of the step
     contact::Bounds box;                 ///< of start and end
-    bool fitted = false;                 ///< the tree is, to start and end, with the margin; and so are the normals
+    bool fitted = false;                 ///< the tree is, to start and end; and so are the normals
     std::vector<Vec3> normal;            ///< [triangle] outward at the end, unit; not finite where it is flat
     double margin_m = 0;                 ///< contacts up to this gap are watched
-    /// Fits the tree to the way from `start` to `end` of these triangles, once for each `end`.
+    /// Fits the tree to the way from `start` to `end` of these triangles, once for each `end`. Who asks it brings the margin.
     void fit(std::span<const Triangle> triangles, std::span<const Vec3> start);
     std::span<const std::int32_t> triangles_at(std::int32_t v) const {
         const auto i = std::size_t(v);
