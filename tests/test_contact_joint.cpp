@@ -113,9 +113,9 @@ struct Chains {
         test::Random random(9);
         for (Vec3& v : b) v = random.vector(1);
         LinearSolveDef def;
-        def.target = 1e-9;
+        def.target = 1e-7;
         const auto result = solver.solve(team, parts, rows, b, {}, def, [&](const Vec3* at, Vec3* r) {
-            std::vector<double> in(8 * kRows, 0.0), out(8 * kRows, 0.0);
+            AlignedVector<double> in(8 * kRows, 0.0), out(8 * kRows, 0.0);
             for (std::size_t i = 0; i < 2 * kRows; ++i)
                 for (std::size_t c = 0; c < 3; ++c) in[4 * i + c] = at[i][Eigen::Index(c)];
             solver.multiply(team, parts, rows, in.data(), out.data());
@@ -123,7 +123,7 @@ struct Chains {
         }, x, residual);
         EXPECT_TRUE(result.converged);
         // r . z is what apply() says it is, and it is symmetric.
-        std::vector<double> r(8 * kRows, 0.0), s(8 * kRows, 0.0), z(8 * kRows), y(8 * kRows);
+        AlignedVector<double> r(8 * kRows, 0.0), s(8 * kRows, 0.0), z(8 * kRows), y(8 * kRows);
         for (std::size_t i = 0; i < 8 * kRows; ++i) {
             if (i % 4 == 3) continue;
             r[i] = random.uniform(-1, 1);
@@ -143,7 +143,7 @@ struct Chains {
 TEST(JointPreconditioner, StiffRowsCostNoIterations) {
     const int apart = Chains(0).iterations(true), stiff = Chains(1e4).iterations(true), stiffer = Chains(1e7).iterations(true), diagonal = Chains(1e4).iterations(false);
     EXPECT_LE(stiff, 2 * apart);
-    EXPECT_LE(stiffer, stiff + 3);
+    EXPECT_LE(stiffer, 2 * apart) << "a thousand times as stiff again";
     EXPECT_GE(diagonal, 2 * stiff) << "what their diagonals alone would make of them";
 }
 
