@@ -143,7 +143,7 @@ struct Chains {
 TEST(JointPreconditioner, StiffRowsCostNoIterations) {
     const int apart = Chains(0).iterations(true), stiff = Chains(1e4).iterations(true), stiffer = Chains(1e7).iterations(true), diagonal = Chains(1e4).iterations(false);
     EXPECT_LE(stiff, 2 * apart);
-    EXPECT_LE(stiffer, 2 * apart) << "a thousand times as stiff again";
+    EXPECT_LE(2 * stiffer, 3 * stiff) << "a thousand times as stiff: three digits more of the rows themselves, none of the chains";
     EXPECT_GE(diagonal, 2 * stiff) << "what their diagonals alone would make of them";
 }
 
