@@ -134,6 +134,8 @@ MeshEdit add_elements(const VolumeMesh& mesh, const AddedElements& added) {
     mesh::Draft draft(m);
     if (const auto pinched = draft.pinches(affected); !pinched.empty())
         refuse("the boundary would touch itself at vertex " + std::to_string(pinched[0][0]) + "; share whole faces, and close the fans around edges and vertices");
+    if (const auto doubled = m.hexes.empty() ? std::vector<std::array<std::int32_t, 2>>{} : mesh::doubled_edges(m); !doubled.empty())
+        refuse("the boundary would touch itself along a diagonal at vertex " + std::to_string(doubled[0][0]));
     return out;
 }
 

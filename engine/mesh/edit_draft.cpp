@@ -8,6 +8,7 @@
 
 #include <algorithm>
 
+#include "supple/mesh/surface.h"
 #include "supple/mesh/topology.h"
 
 namespace supple::mesh {
@@ -423,6 +424,16 @@ MeshEdit Draft::finish() const {
     }
     m.source = old.source;
     return out;
+}
+
+std::vector<std::array<std::int32_t, 2>> doubled_edges(const VolumeMesh& mesh) {
+    std::vector<std::array<std::int32_t, 2>> edges, twice;
+    for (const Triangle& t : extract_boundary(mesh).triangles)
+        for (std::size_t k = 0; k < 3; ++k) edges.push_back({t[k], t[(k + 1) % 3]});
+    std::sort(edges.begin(), edges.end());
+    for (std::size_t i = 1; i < edges.size(); ++i)
+        if (edges[i] == edges[i - 1]) twice.push_back(edges[i]);
+    return twice;
 }
 
 }  // namespace supple::mesh

@@ -76,4 +76,7 @@ private:
     std::size_t open_ = 0;
 };
 
+/// Edges along which two boundary triangles run the same way: lips of a quad that share a diagonal lie on one another as triangles.
+std::vector<std::array<std::int32_t, 2>> doubled_edges(const VolumeMesh& mesh);
+
 }  // namespace supple::mesh

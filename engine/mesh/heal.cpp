@@ -178,13 +178,8 @@ MeshEdit heal(const VolumeMesh& mesh, std::span<const Vec3> positions, std::span
         for (const auto& pinch : mesh::Draft(edit.mesh).pinches(touched))
             for (const std::int32_t v : pinch)
                 if (v >= 0) bad.insert(v);
-        if (!mesh.hexes.empty()) {  // lips of a quad that share a diagonal lie on one another as triangles
-            std::vector<std::pair<std::int32_t, std::int32_t>> edges;
-            for (const Triangle& t : extract_boundary(edit.mesh).triangles)
-                for (std::size_t k = 0; k < 3; ++k) edges.emplace_back(t[k], t[(k + 1) % 3]);
-            std::sort(edges.begin(), edges.end());
-            for (auto twice = std::adjacent_find(edges.begin(), edges.end()); twice != edges.end(); twice = std::adjacent_find(twice + 1, edges.end())) bad.insert({twice->first, twice->second});
-        }
+        if (!mesh.hexes.empty())
+            for (const auto& edge : mesh::doubled_edges(edit.mesh)) bad.insert(edge.begin(), edge.end());
         if (bad.empty()) {
             count(wanted, at, edit.delta, *report);
             return glued.empty() ? MeshEdit{mesh, identity_delta(mesh)} : std::move(edit);
