@@ -43,7 +43,8 @@ Route::Place Route::at(double way_m) const {
     return {mean, ahead.normalized()};
 }
 
-CreatureWalk::CreatureWalk(World& world, BodyId body, const Route& route, const Def& def) : world_(&world), route_(route), def_(def) {
+CreatureWalk::CreatureWalk(World& world, BodyId body, const Route& route, std::vector<Foothold> ground, const Def& def)
+    : world_(&world), route_(route), ground_(std::move(ground)), def_(def) {
     const auto x = world.positions(body);
     double low = 1e9;
     for (const Vec3& p : x) low = std::min(low, p.y());
@@ -76,12 +77,10 @@ double CreatureWalk::ground_m(double x, double z) const {
     double y = kSky_m;
     for (int i = 0; i < 64; ++i) {
         double free_m = kSky_m;
-        for (const ColliderId id : world_->colliders()) {
-            const ColliderDef& def = world_->collider(id);
-            if (def.motion != ColliderMotion::fixed) continue;
-            const auto& q = def.pose.rotation_wxyz;
+        for (const Foothold& solid : ground_) {
+            const auto& q = solid.pose.rotation_wxyz;
             const Mat3 R = Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized().toRotationMatrix();
-            free_m = std::min(free_m, contact::distance(def.shape, R.transpose() * (Vec3(x, y, z) - def.pose.position_m)).d);
+            free_m = std::min(free_m, contact::distance(solid.shape, R.transpose() * (Vec3(x, y, z) - solid.pose.position_m)).d);
         }
         if (free_m < 1e-4) break;
         y -= free_m;

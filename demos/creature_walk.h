@@ -17,8 +17,14 @@ struct Route {
     double length_m() const;
 };
 
+/// A solid that feet are put on.
+struct Foothold {
+    Shape shape;
+    Pose pose;
+};
+
 /// Makes a soft body walk: its soles are tied to places that step from foothold to foothold, diagonal pairs of feet in turn; all above them follows by elasticity.
-/// Footholds lie on the fixed colliders of the world, so that it climbs what is in the way.
+/// It climbs what is in the way: footholds lie on the ground, which is given, not touched; what else the body meets on its way are contacts of the world.
 class CreatureWalk {
 public:
     struct Def {
@@ -30,7 +36,7 @@ public:
     };
 
     /// @param body  x to its nose, y up, in its start position with its soles on the ground
-    CreatureWalk(World& world, BodyId body, const Route& route, const Def& def);
+    CreatureWalk(World& world, BodyId body, const Route& route, std::vector<Foothold> ground, const Def& def);
 
     void before_step();            ///< moves the ties to where they are at the end of the step
     void let_go();                 ///< unties all feet
@@ -59,6 +65,7 @@ private:
 
     World* world_;
     Route route_;
+    std::vector<Foothold> ground_;
     Def def_;
     std::vector<Foot> feet_;
     double way_m_ = 0, time_s_ = 0;

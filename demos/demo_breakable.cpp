@@ -26,6 +26,7 @@ WorldDef world_def(const ShowOptions& options) {
     def.threads = options.threads;
     def.isa = options.isa;
     def.time_step_s = 1.0 / 120;
+    def.solver.contact_iterations = 40;
     def.solver.rayleigh_mass_1_s = 2;
     def.solver.rayleigh_stiffness_s = 0.002;
     return def;
@@ -36,6 +37,8 @@ struct Band {
     Vec3 hook_m;
     double strength_n = 0, force_n = 0;
     double broke_s = -1, broke_n = 0;
+    bool gone = false;
+    Vec3 point_m = Vec3::Zero();
     Vec3 end_m = Vec3::Zero();  ///< where its lower end was when it broke
     std::vector<std::array<double, 2>> curve;
 };
@@ -140,7 +143,7 @@ private:
         touch.radius_m = 0.014;
         touch.tool_radius_m = 0.006;
         touch.pushes = false;
-        touch.displacement_m = {.times_s = {0, 1.0, 7.0}, .values = {Vec3::Zero(), Vec3(0.001, -0.006, 0.002), Vec3(0.002, -0.072, 0.010)}};
+        touch.displacement_m = {.times_s = {0, 1.0, 7.0}, .values = {Vec3::Zero(), Vec3(0.001, -0.006, 0.002), Vec3(0.002, -0.058, 0.010)}};
         return touch;
     }
 
@@ -149,7 +152,15 @@ private:
         if (world_.step_count() == read_step_) return;
         read_step_ = world_.step_count();
         for (Band& band : bands_) {
-            const AttachmentState state = world_.attachment_state(band.id);
+            if (band.gone) continue;
+            AttachmentState state;
+            try {
+                state = world_.attachment_state(band.id);
+            } catch (const Error&) {  // a hand in the window took away what it held
+                band.gone = true;
+                state = {.point_m = band.point_m, .anchor_m = band.hook_m, .force_n = Vec3::Zero(), .broken = true};
+            }
+            band.point_m = state.point_m;
             band.force_n = state.broken ? 0 : state.force_n.norm();
             if (state.broken && band.broke_s < 0) {
                 band.broke_s = world_.time_s();
@@ -170,7 +181,7 @@ private:
             const Band& band = bands_[i];
             const Vec3 top(band.hook_m.x(), kBar_m, 0);
             drawn_.tube(std::array{top, Vec3(band.hook_m.x(), kBar_m - 0.2 * (kBar_m - band.hook_m.y()), 0.3 * band.hook_m.z()), band.hook_m}, std::array{0.0012}, {0.62f, 0.66f, 0.71f}, Look::metal);
-            const Vec3 point = world_.attachment_state(band.id).point_m;
+            const Vec3 point = band.point_m;
             char text[32];
             if (band.broke_s < 0) {
                 elastic(band.hook_m, point, kColors[i]);

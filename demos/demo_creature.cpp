@@ -1,14 +1,20 @@
-// A game-like scene: a soft creature is steered over planks, bumps and a ramp, pushes a ball aside, and leaps from a ledge onto a cushion. 60 steps a second.
+// A game-like scene: a soft creature is steered over planks and bumps, through rubber posts, up a ramp, and leaps from a ledge onto a cushion. 60 steps a second.
+// Its mesh is a cage that stands off its skin by a finger's breadth, and contact is the cage's. So everything that it may touch is computed that much lower or
+// thinner than it is drawn: skin meets skin.
 #include <Eigen/Geometry>
 #include <cmath>
 #include <optional>
 
 #include "creature_walk.h"
 #include "demo.h"
+#include "drawn_shapes.h"
 #include "open_show.h"
+#include "supple/contact/shape_surface.h"
 #include "supple/io/mesh_file.h"
 #include "supple/io/surface_file.h"
+#include "supple/mesh/box_mesh.h"
 #include "supple/mesh/isosurface_stuffing.h"
+#include "supple/mesh/surface.h"
 #include "touch_script.h"
 
 namespace supple::demos {
@@ -16,8 +22,9 @@ namespace {
 
 constexpr double kEye_m = 0.012;
 constexpr double kLedge_m = 0.09;
+const std::vector<Vec3> kEyes{Vec3(0.149, 0.167, 0.040), Vec3(0.149, 0.167, -0.040)};
 const Vec3 kCushion(1.62, 0, 0.34);
-constexpr double kClear_m = 0.0015;  // of tied soles above the ground: what they are tied to and what they stand on must not quarrel
+constexpr double kStandOff_m = 0.0145;  // of the cage's soles from those of its skin
 constexpr double kGoal_m = 0.20;  // it has arrived where its middle is so near to that of the cushion
 
 WorldDef world_def(const ShowOptions& options) {
@@ -42,13 +49,12 @@ Route route() { return {{Vec3(-0.55, 0, -0.06), Vec3(-0.1, 0, -0.06), Vec3(0.25,
 class Creature : public Show {
 public:
     explicit Creature(const ShowOptions& options) : world_(world_def(options)) {
-        world_.add_collider({.name = "ground", .shape = PlaneShape{}, .friction = 0.6});
         build_course();
         creature_ = add_creature();
-        ball_ = add_ball(Vec3(-0.02, 0.045, -0.09), 0.045);
         cushion_ = add_cushion();
-        walk_.emplace(world_, creature_, route(), CreatureWalk::Def{});
-        eyes_.emplace(world_.shape(creature_).mesh(), std::vector<Vec3>{Vec3(0.149, 0.167, 0.040), Vec3(0.149, 0.167, -0.040)});
+        for (const auto& [x, z] : {std::array{0.02, -0.165}, std::array{0.075, -0.045}, std::array{0.10, 0.10}}) add_post(Vec3(x, 0, z));
+        walk_.emplace(world_, creature_, route(), ground_, CreatureWalk::Def{});
+        eyes_.emplace(world_.shape(creature_).mesh(), kEyes);
         eye_positions_.resize(2);
         target_ = middle(creature_);
     }
@@ -62,7 +68,7 @@ public:
         if (!walk_->walks()) return;
         if (walk_->arrived() && !walk_->leaps()) {
             if (arrived_s_ == 0) arrived_s_ = world_.time_s();
-            if (world_.time_s() > arrived_s_ + 0.7) walk_->leap(Vec3(1.25, 1.45, 0), 0.10);
+            if (world_.time_s() > arrived_s_ + 0.7) walk_->leap(Vec3(1.7, 2.1, 0), 0.12);
         }
         walk_->before_step();
     }
@@ -82,7 +88,7 @@ public:
         view.key_light = Vec3(-0.5, 1.0, 0.6);
         dress(view);
         if (walk_->walks() && !walk_->arrived())
-            view.caption = walk_->way_m() < 0.62 ? "A soft creature trots over planks and pushes a ball aside" : "Over bumps and up a ramp";
+            view.caption = walk_->way_m() < 0.62 ? "A soft creature trots over planks and through rubber posts" : "Over bumps and up a ramp";
         else if (walk_->walks())
             view.caption = "It takes aim ...";
         else
@@ -98,12 +104,19 @@ private:
 
     void add_fixed(const char* name, const Shape& shape, const Vec3& at, double turn_rad, const Vec3& axis, const std::array<float, 3>& color) {
         const Eigen::Quaterniond q(Eigen::AngleAxisd(turn_rad, axis));
-        world_.add_collider({.name = name, .shape = shape, .pose = {at, {q.w(), q.x(), q.y(), q.z()}}, .friction = 0.8});
-        colors_.push_back(color);
+        const Pose pose{at, {q.w(), q.x(), q.y(), q.z()}};
+        world_.add_collider({.name = name, .shape = shape, .pose = {at - Vec3(0, kStandOff_m, 0), pose.rotation_wxyz}, .friction = 0.8});
+        ground_.push_back({shape, pose});
+        if (std::holds_alternative<PlaneShape>(shape)) return;
+        const contact::ShapeSurface drawn = contact::surface_of(shape, 1);
+        mesh::TriangleMesh surface{drawn.vertices, drawn.triangles};
+        for (Vec3& x : surface.vertices) x = at + q * x;
+        course_.surface(std::move(surface), color, Look::rubber);
     }
 
     void build_course() {
         const std::array<float, 3> wood{0.72f, 0.52f, 0.32f}, stone{0.55f, 0.60f, 0.66f}, grass{0.45f, 0.62f, 0.36f};
+        add_fixed("ground", PlaneShape{}, Vec3::Zero(), 0, Vec3(0, 1, 0), stone);
         add_fixed("low plank", BoxShape{Vec3(0.03, 0.009, 0.16)}, Vec3(-0.28, 0.009, -0.06), 0.15, Vec3(0, 1, 0), wood);
         add_fixed("high plank", BoxShape{Vec3(0.03, 0.014, 0.16)}, Vec3(-0.12, 0.014, -0.06), -0.1, Vec3(0, 1, 0), wood);
         for (const auto& [x, z, r] : {std::array{0.24, 0.06, 0.08}, std::array{0.35, 0.20, 0.09}, std::array{0.36, 0.10, 0.06}, std::array{0.47, 0.22, 0.07}, std::array{0.45, 0.33, 0.08}})
@@ -124,63 +137,76 @@ private:
         def.density_kg_m3 = 1000;
         def.friction = 0.8;
         double low = 1e9;
-        for (const Vec3& x : def.shape->mesh().vertices) low = std::min(low, x.y());
+        for (const Vec3& x : def.skin->surface().vertices) low = std::min(low, x.y());
         const Vec3 start = route().points_m[0];
-        def.translation_m = Vec3(start.x(), kClear_m - low, start.z());
+        def.translation_m = Vec3(start.x(), -low, start.z());
         return world_.add_body(def);
     }
 
-    BodyId add_ball(const Vec3& at, double radius_m) {
+    /// A body on a foot that is fixed, with a skin that stands off its mesh as the creature's cage does off its skin.
+    BodyId add_soft(const char* name, VolumeMesh mesh, ImplicitShape drawn, const Vec3& reach, double skin_edge_m, const Vec3& at, double young_pa) {
+        const VolumeMesh solid = stuff_isosurface(drawn, {.min_m = -reach, .max_m = reach, .edge_m = skin_edge_m});
         BodyDef def;
-        def.name = "ball";
-        def.shape = BodyTemplate::build(stuff_isosurface([&](const Vec3& p) { return p.norm() - radius_m; },
-                                                         {.min_m = Vec3::Constant(-1.4 * radius_m), .max_m = Vec3::Constant(1.4 * radius_m), .edge_m = 0.022}));
-        def.material = Corotational{.young_pa = 5e4, .poisson = 0.4};
-        def.density_kg_m3 = 120;
-        def.friction = 0.5;
+        def.name = name;
+        def.shape = BodyTemplate::build(std::move(mesh));
+        def.skin = Skin::build(def.shape->mesh(), {solid.vertices, extract_boundary(solid).triangles});
+        def.material = Corotational{.young_pa = young_pa, .poisson = 0.35};
+        def.density_kg_m3 = 400;
+        def.friction = 0.6;
         def.translation_m = at;
-        return world_.add_body(def);
+        const BodyId id = world_.add_body(def);
+        double low = 1e9;
+        for (const Vec3& x : world_.positions(id)) low = std::min(low, x.y());
+        world_.fix(id, InsideBox{{-9, -9, -9}, {9, low + 0.004, 9}});
+        return id;
     }
 
     BodyId add_cushion() {
-        const Vec3 half(0.20, 0.045, 0.17);
-        BodyDef def;
-        def.name = "cushion";
-        def.shape = BodyTemplate::build(stuff_isosurface([&](const Vec3& p) { return rounded_box(p, half, 0.035); }, {.min_m = -1.2 * half, .max_m = 1.2 * half, .edge_m = 0.05}));
-        def.material = Corotational{.young_pa = 1.2e4, .poisson = 0.3};
-        def.density_kg_m3 = 300;
-        def.friction = 1;
-        def.translation_m = kCushion + Vec3(0, half.y(), 0);
-        return world_.add_body(def);
+        const Vec3 drawn(0.20, 0.05, 0.18), inner = drawn - Vec3::Constant(kStandOff_m);
+        return add_soft("cushion", stuff_isosurface([&](const Vec3& p) { return rounded_box(p, inner, 0.02); }, {.min_m = -1.2 * drawn, .max_m = 1.2 * drawn, .edge_m = 0.042}),
+                        [&](const Vec3& p) { return rounded_box(p, drawn, 0.035); }, 1.2 * drawn, 0.012, kCushion + Vec3(0, drawn.y(), 0), 1.5e4);
+    }
+
+    void add_post(const Vec3& at) {
+        const double height = 0.13, radius = 0.021;
+        const Vec3 half(radius - kStandOff_m + 0.001, 0.5 * height - kStandOff_m, radius - kStandOff_m + 0.001);
+        add_soft("post", make_tet_box({.min_m = -half, .max_m = half, .cells = {2, 10, 2}}),
+                 [&](const Vec3& p) { return (p - Vec3(0, std::clamp(p.y(), -0.5 * height + 0.008, 0.5 * height - radius), 0)).norm() - radius; },
+                 Vec3(1.3 * radius, 0.6 * height, 1.3 * radius), 0.006, at + Vec3(0, 0.5 * height, 0), 6e5);
     }
 
     void dress(FrameView& view) {
         const std::size_t bodies = world_.bodies().size();
         const bool plain = !view.scale;
-        const std::array<std::array<float, 3>, 3> own{{{0.42f, 0.66f, 0.52f}, {0.92f, 0.34f, 0.26f}, {0.86f, 0.66f, 0.86f}}};
+        const std::array<std::array<float, 3>, 3> own{{{0.42f, 0.66f, 0.52f}, {0.86f, 0.62f, 0.84f}, {0.95f, 0.55f, 0.25f}}};
         for (std::size_t b = 0; b < bodies; ++b) {
-            view.surfaces[b].look = b == 2 ? Look::gel : Look::rubber;
-            if (plain) view.surfaces[b].color = own[b];
+            view.surfaces[b].look = Look::rubber;
+            if (plain) view.surfaces[b].color = own[std::min<std::size_t>(b, 2)];
         }
-        for (std::size_t c = 0; c < colors_.size() && bodies + c < view.surfaces.size(); ++c) {
-            view.surfaces[bodies + c].look = Look::rubber;
-            view.surfaces[bodies + c].color = colors_[c];
+        view.surfaces.resize(bodies);  // the colliders lie lower than what they stand for
+        course_.add_to(view);
+        view.ground_height_m = 0;
+        if (edits_ != world_.edit_count(creature_)) {  // a hand in the window has cut it: other vertices, the same rest shape
+            eyes_.emplace(world_.shape(creature_).mesh(), kEyes);
+            edits_ = world_.edit_count(creature_);
         }
         eyes_->deform(world_.positions(creature_), eye_positions_);
         for (const Vec3& x : eye_positions_) view.markers.push_back({x, kEye_m, {0.05f, 0.05f, 0.06f}});
     }
 
     World world_;
-    BodyId creature_, ball_, cushion_;
+    BodyId creature_, cushion_;
     std::optional<CreatureWalk> walk_;
     std::optional<Embedding> eyes_;
     std::vector<Vec3> eye_positions_;
-    std::vector<std::array<float, 3>> colors_;  ///< of the course, in the order of its colliders
+    std::uint64_t edits_ = 0;  ///< of the creature
+    std::vector<Foothold> ground_;
+    DrawnShapes course_;
     double arrived_s_ = 0;
     Vec3 target_;
 };
 
-const RegisterDemo demo({"creature", "a soft creature is steered over planks, bumps and a ramp and leaps onto a cushion, at 60 steps a second (a game)",
+const RegisterDemo demo({"creature", "a soft creature is steered over planks, bumps and a ramp, through rubber posts, and leaps onto a cushion, at 60 steps a second (a game)",
                          [](const ShowOptions& options) { return std::make_unique<Creature>(options); }});
 
 }  // namespace

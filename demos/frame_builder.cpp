@@ -21,6 +21,7 @@ double round_up(double value) {
 std::string number_text(const Reading& reading) {
     char text[64];
     if (reading.unit.empty()) std::snprintf(text, sizeof text, "%.0f", reading.value);
+    else if (reading.unit == "%") std::snprintf(text, sizeof text, "%.0f %%", reading.value);
     else std::snprintf(text, sizeof text, "%.2f %s", reading.value, reading.unit.c_str());
     return text;
 }
