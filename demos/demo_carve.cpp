@@ -24,6 +24,7 @@ WorldDef world_def(const ShowOptions& options) {
     def.threads = options.threads;
     def.isa = options.isa;
     def.time_step_s = 1.0 / 120;
+    def.solver.cg_relative_tolerance = 1e-4;
     def.solver.contact_iterations = 40;
     def.solver.rayleigh_mass_1_s = 1;
     def.solver.rayleigh_stiffness_s = 0.002;
@@ -54,6 +55,8 @@ public:
         SceneBounds bounds = bounds_of(world_);
         bounds.max_m.y() += 0.02;
         camera_ = frame_camera(bounds, Vec3(-0.35, 0.75, 1), 32);
+        camera_.target_m.y() -= 0.006;
+        camera_.eye_m += 0.05 * (camera_.eye_m - camera_.target_m);
     }
 
     World& world() override { return world_; }

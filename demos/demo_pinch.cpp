@@ -1,5 +1,7 @@
-// Forceps close on the lower edge of a liver, pull it by friction alone, turn it up, and open again. What the jaws squeeze with and what they pull is plotted.
+// Toothed forceps close on the lower edge of a liver, pull it down, turn it up, and open again. The jaws press by contact; once they are closed their teeth hold what they
+// touch (attachments to the jaws, each of a limited force). What they squeeze with and what they pull is plotted.
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 
 #include "demo.h"
@@ -16,9 +18,10 @@ namespace {
 
 constexpr double kJaw_m = 0.005, kHalf_m = 0.011;  // radius and half length of a jaw
 constexpr double kOpen_m = 0.012;                  // between a jaw and the surface while the forceps are open
-constexpr double kClosed = 0.32;                   // of the thickness of the edge
+constexpr double kClosed = 0.45;                   // of the thickness of the edge
 constexpr double kCome_s = 0.6, kThere_s = 1.8, kClosed_s = 2.8, kPull_s = 3.1, kOpen_s = 7.4, kOpened_s = 7.7, kGone_s = 8.6;
-constexpr double kMost_n = 6;                      // of the plot
+constexpr double kTooth_n = 2.5;                   // what a tooth holds
+constexpr double kMost_n = 10;                     // of the plot
 const Vec3 kPlace(-0.066, -0.089, 0);              // where the edge is taken; its depth is found
 
 WorldDef world_def(const ShowOptions& options) {
@@ -47,7 +50,7 @@ public:
             ColliderDef tool;
             tool.name = jaw == 0 ? "front jaw" : "back jaw";
             tool.shape = CapsuleShape{kJaw_m, kHalf_m};
-            tool.friction = 2;  // toothed
+            tool.friction = 1;
             tool.motion = ColliderMotion::kinematic;
             tool.pose = {place(jaw, 0), rotation()};
             jaws_[jaw] = world_.add_collider(tool);
@@ -64,19 +67,22 @@ public:
     void before_step() override {
         const double t = world_.time_s() + world_.def().time_step_s;
         if (t >= kThere_s && surface_z_[0] == 0) measure();
+        if (t >= kPull_s && t < kOpen_s && teeth_.empty()) bite();
+        if (t >= kOpen_s) open();
         for (std::size_t jaw = 0; jaw < 2; ++jaw) world_.move_collider(jaws_[jaw], {place(jaw, t), rotation()});
         if (world_.step_count() == 0) return;
         squeezed_.push_back({world_.time_s(), squeeze_n()});
         pulled_.push_back({world_.time_s(), pull_n().norm()});
     }
     void let_go() override {
+        open();
         for (ColliderId& jaw : jaws_) world_.remove_collider(jaw), jaw = {};
         gone_ = true;
     }
 
     std::vector<Reading> readings() override {
         if (gone_) return {};
-        return {{"squeeze", squeeze_n(), "N"}, {"pull", pull_n().norm(), "N"}};
+        return {{"teeth", double(teeth_.size()), ""}, {"squeeze", squeeze_n(), "N"}, {"pull", pull_n().norm(), "N"}};
     }
 
     void decorate(FrameView& view) override {
@@ -99,9 +105,9 @@ public:
         const Vec3 force = pull_n(), between = 0.5 * (world_.collider_state(jaws_[0]).pose.position_m + world_.collider_state(jaws_[1]).pose.position_m);
         if (force.norm() > 0.05) view.arrows.push_back({between, between + 0.09 * (1 - std::exp(-force.norm() / 2)) * force.normalized()});
         view.caption = t < kThere_s    ? "Forceps come to the lower edge of a liver"
-                       : t < kPull_s   ? "They close: the squeeze is what friction can hold"
-                       : t < kOpen_s   ? "Pulled and turned up, held by friction alone"
-                                       : "Opened: it slips out and swings back";
+                       : t < kPull_s   ? "They close, and their teeth take hold"
+                       : t < kOpen_s   ? "Pulled down, then turned up"
+                                       : "Opened: it swings back";
         PlotView plot;
         plot.title = "Force of the jaws [N]";
         plot.end = duration_s();
@@ -119,6 +125,32 @@ private:
     }
     /// Across the jaws: they close along it.
     static Vec3 across() { return (Vec3(0, 0, 1) - along().z() * along()).normalized(); }
+
+    /// The vertices that each jaw touches are tied to it.
+    void bite() {
+        std::vector<std::pair<ColliderId, std::int32_t>> held;
+        for (const ContactPoint& c : world_.contacts()) {
+            if (c.body != body_) continue;
+            const Triangle& corners = world_.shape(body_).boundary().triangles[std::size_t(c.triangle)];
+            const auto nearest = std::max_element(c.barycentric.begin(), c.barycentric.end()) - c.barycentric.begin();
+            held.emplace_back(c.collider, corners[std::size_t(nearest)]);
+        }
+        std::sort(held.begin(), held.end(), [](const auto& a, const auto& b) { return std::pair(a.first.index, a.second) < std::pair(b.first.index, b.second); });
+        held.erase(std::unique(held.begin(), held.end()), held.end());
+        for (const auto& [jaw, vertex] : held) {
+            AttachmentDef tooth;
+            tooth.body = body_;
+            tooth.vertices[0] = vertex;
+            tooth.collider = jaw;
+            tooth.stiffness_n_m = 1500;
+            tooth.max_force_n = kTooth_n;
+            teeth_.push_back(world_.attach(tooth));
+        }
+    }
+    void open() {
+        for (const AttachmentId tooth : teeth_) world_.detach(tooth);
+        teeth_.clear();
+    }
 
     /// Where the surface is that the jaws close on, front and back.
     void measure() {
@@ -153,6 +185,7 @@ private:
     World world_;
     BodyId body_;
     std::array<ColliderId, 2> jaws_;
+    std::vector<AttachmentId> teeth_;
     std::array<double, 2> surface_z_{0, 0};
     bool gone_ = false;
     std::vector<std::array<double, 2>> squeezed_, pulled_;
@@ -160,7 +193,7 @@ private:
     Camera camera_;
 };
 
-const RegisterDemo demo({"pinch", "forceps close on a liver, pull it by friction and let go; squeeze and pull are plotted",
+const RegisterDemo demo({"pinch", "toothed forceps close on a liver, pull it and let go; squeeze and pull are plotted",
                          [](const ShowOptions& options) { return std::make_unique<Pinch>(options); }});
 
 }  // namespace

@@ -44,7 +44,7 @@ void help_window(Desk& desk, float ui_scale) {
     const ImVec2 screen = ImGui::GetIO().DisplaySize;
     const float width = std::min(520 * ui_scale, 0.92f * screen.x);
     ImGui::SetNextWindowPos(ImVec2(0.5f * screen.x, 0.5f * screen.y), ImGuiCond_Always, ImVec2(0.5f, 0.5f));
-    ImGui::SetNextWindowSize(ImVec2(width, std::min(0.92f * screen.y, 28 * ImGui::GetTextLineHeightWithSpacing())));
+    ImGui::SetNextWindowSize(ImVec2(width, std::min(0.92f * screen.y, 29 * ImGui::GetTextLineHeightWithSpacing())));
     ImGui::SetNextWindowFocus();
     if (ImGui::Begin("Keys and mouse", &desk.help, ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoSavedSettings)) {
         if (ImGui::BeginTable("keys", 2, ImGuiTableFlags_RowBg)) {

@@ -11,6 +11,8 @@ namespace supple::demos::view {
 namespace {
 
 constexpr double kSpacing = 0.012;  // of the scene's size: between the points of the blade's way
+constexpr int kMostParts = 100;     // that a movement between two frames is divided into
+constexpr std::size_t kLooks = 8;   // points of the way whose surface is found anew in a frame
 constexpr double kBefore = 0.04;    // of the scene's size: the blade begins so far before the surface
 
 /// A movement over the picture, and under it a blade that reaches from before the surface into the depth. It cuts when the button is let go.
@@ -25,16 +27,21 @@ public:
         scale_ = scale;
         holds_ = true;
         way_.clear();
-        bodies_.clear();
-        add(world, pointer);
+        add(world, pointer.ray);
         return true;
     }
 
     void move(World& world, const Pointer& pointer) override {
         if (!holds_) return;
-        const Vec3 now = pointer.ray.origin + reach_m_ * pointer.ray.direction;
-        const Sample& last = way_.back();
-        if ((now - last.ray.origin - reach_m_ * last.ray.direction).norm() >= kSpacing * scale_.size_m) add(world, pointer);
+        for (std::size_t i = 0; i < kLooks; ++i) look(world, way_[looked_++ % way_.size()]);  // bodies move on under the blade
+        // A fast hand leaves gaps: they are filled, for the surface between two points may come nearer than both.
+        const Ray last = way_.back().ray;
+        const double gap_m = (pointer.ray.origin - last.origin + reach_m_ * (pointer.ray.direction - last.direction)).norm();
+        const int parts = std::min(kMostParts, int(gap_m / (kSpacing * scale_.size_m)));
+        for (int k = 1; k <= parts; ++k) {
+            const double s = double(k) / parts;
+            add(world, {last.origin + s * (pointer.ray.origin - last.origin), (last.direction + s * (pointer.ray.direction - last.direction)).normalized()});
+        }
     }
 
     void scroll(World&, double steps) override { depth_ = std::clamp(depth_ + 0.02 * steps, 0.02, 1.5); }
@@ -42,12 +49,15 @@ public:
     void release(World& world) override {
         if (!holds_) return;
         holds_ = false;
+        std::vector<BodyId> bodies;
+        for (Sample& sample : way_) {
+            const BodyId body = look(world, sample);
+            if (body && std::find(bodies.begin(), bodies.end(), body) == bodies.end()) bodies.push_back(body);
+        }
         const std::vector<Vec3> from = edge(-kBefore * scale_.size_m), to = edge(depth_ * scale_.size_m);
-        const auto alive = world.bodies();
         if (from.size() < 2) return;
         const mesh::TriangleMesh blade = swept_blade(from, to);
-        for (const BodyId body : bodies_)
-            if (std::find(alive.begin(), alive.end(), body) != alive.end()) world.cut(body, blade);
+        for (const BodyId body : bodies) world.cut(body, blade);
     }
     void cancel(World&) override { holds_ = false; }
     bool holds() const override { return holds_; }
@@ -71,16 +81,21 @@ private:
         std::optional<double> surface_m;  ///< along it; none beside the bodies
     };
 
-    void add(World& world, const Pointer& pointer) {
-        Sample sample{pointer.ray, {}};
-        if (const auto hit = world.pick(pointer.ray)) {
-            sample.surface_m = (hit->position_m - pointer.ray.origin).norm();
-            reach_m_ = *sample.surface_m;
-            if (std::find(bodies_.begin(), bodies_.end(), hit->body) == bodies_.end()) bodies_.push_back(hit->body);
-        } else if (way_.empty()) {
-            reach_m_ = 2 * scale_.size_m;
-        }
+    void add(World& world, const Ray& ray) {
+        Sample sample{ray, {}};
+        look(world, sample);
+        if (sample.surface_m) reach_m_ = *sample.surface_m;
+        else if (way_.empty()) reach_m_ = 2 * scale_.size_m;
         way_.push_back(sample);
+    }
+
+    /// Where the surface under a sample is now; the body that it is of.
+    static BodyId look(const World& world, Sample& sample) {
+        const auto hit = world.pick(sample.ray);
+        sample.surface_m.reset();
+        if (!hit) return {};
+        sample.surface_m = (hit->position_m - sample.ray.origin).norm();
+        return hit->body;
     }
 
     /// The way of the blade, `behind_m` behind the surface. Beside the bodies it goes on as deep as where it was nearest over one.
@@ -101,7 +116,7 @@ private:
     }
 
     std::vector<Sample> way_;
-    std::vector<BodyId> bodies_;  ///< under it
+    std::size_t looked_ = 0;
     ToolScale scale_;
     bool holds_ = false;
     double reach_m_ = 1;          ///< to the last point of a surface
