@@ -1,4 +1,4 @@
-// A game-like scene: a soft creature is steered over planks and bumps, through rubber posts, up a ramp, and leaps from a ledge onto a cushion. 60 steps a second.
+// A game-like scene: a soft creature is steered over planks and bumps, between rubber posts, up a ramp, and leaps from a ledge onto a cushion. 60 steps a second.
 // Its mesh is a cage that stands off its skin by a finger's breadth, and contact is the cage's. So everything that it may touch is computed that much lower or
 // thinner than it is drawn: skin meets skin.
 #include <Eigen/Geometry>
@@ -23,9 +23,9 @@ namespace {
 constexpr double kEye_m = 0.012;
 constexpr double kLedge_m = 0.09;
 const std::vector<Vec3> kEyes{Vec3(0.149, 0.167, 0.040), Vec3(0.149, 0.167, -0.040)};
-const Vec3 kCushion(1.62, 0, 0.34);
-constexpr double kStandOff_m = 0.0145;  // of the cage's soles from those of its skin
-constexpr double kGoal_m = 0.20;  // it has arrived where its middle is so near to that of the cushion
+const Vec3 kCushion(1.66, 0, 0.34);
+constexpr double kStandOff_m = 0.0165;  // of the cage's soles from those of its skin, and a little more: tied soles must not quarrel with what they stand on
+constexpr double kGoal_m = 0.25;  // it has arrived where its middle is so near to that of the cushion
 
 WorldDef world_def(const ShowOptions& options) {
     WorldDef def;
@@ -34,7 +34,7 @@ WorldDef world_def(const ShowOptions& options) {
     def.time_step_s = 1.0 / 60;
     def.solver.cg_relative_tolerance = 1e-3;  // of a game
     def.solver.contact_iterations = 30;
-    def.solver.rayleigh_mass_1_s = 0.5;
+    def.solver.rayleigh_mass_1_s = 1;
     def.solver.rayleigh_stiffness_s = 0.004;
     return def;
 }
@@ -52,7 +52,7 @@ public:
         build_course();
         creature_ = add_creature();
         cushion_ = add_cushion();
-        for (const auto& [x, z] : {std::array{0.02, -0.165}, std::array{0.075, -0.045}, std::array{0.10, 0.10}}) add_post(Vec3(x, 0, z));
+        for (const auto& [x, z] : {std::array{0.0120, 0.0935}, std::array{0.0880, -0.0735}}) add_post(Vec3(x, 0, z));
         walk_.emplace(world_, creature_, route(), ground_, CreatureWalk::Def{});
         eyes_.emplace(world_.shape(creature_).mesh(), kEyes);
         eye_positions_.resize(2);
@@ -68,7 +68,7 @@ public:
         if (!walk_->walks()) return;
         if (walk_->arrived() && !walk_->leaps()) {
             if (arrived_s_ == 0) arrived_s_ = world_.time_s();
-            if (world_.time_s() > arrived_s_ + 0.7) walk_->leap(Vec3(1.7, 2.1, 0), 0.12);
+            if (world_.time_s() > arrived_s_ + 0.7) walk_->leap(Vec3(1.50, 1.75, 0), 0.12);
         }
         walk_->before_step();
     }
@@ -88,7 +88,7 @@ public:
         view.key_light = Vec3(-0.5, 1.0, 0.6);
         dress(view);
         if (walk_->walks() && !walk_->arrived())
-            view.caption = walk_->way_m() < 0.62 ? "A soft creature trots over planks and through rubber posts" : "Over bumps and up a ramp";
+            view.caption = walk_->way_m() < 0.62 ? "A soft creature trots over planks and squeezes through a gate" : "Over bumps and up a ramp";
         else if (walk_->walks())
             view.caption = "It takes aim ...";
         else
@@ -105,7 +105,7 @@ private:
     void add_fixed(const char* name, const Shape& shape, const Vec3& at, double turn_rad, const Vec3& axis, const std::array<float, 3>& color) {
         const Eigen::Quaterniond q(Eigen::AngleAxisd(turn_rad, axis));
         const Pose pose{at, {q.w(), q.x(), q.y(), q.z()}};
-        world_.add_collider({.name = name, .shape = shape, .pose = {at - Vec3(0, kStandOff_m, 0), pose.rotation_wxyz}, .friction = 0.8});
+        world_.add_collider({.name = name, .shape = shape, .pose = {at - Vec3(0, kStandOff_m, 0), pose.rotation_wxyz}, .friction = 0});  // feet are tied; a belly slides
         ground_.push_back({shape, pose});
         if (std::holds_alternative<PlaneShape>(shape)) return;
         const contact::ShapeSurface drawn = contact::surface_of(shape, 1);
@@ -144,7 +144,7 @@ private:
     }
 
     /// A body on a foot that is fixed, with a skin that stands off its mesh as the creature's cage does off its skin.
-    BodyId add_soft(const char* name, VolumeMesh mesh, ImplicitShape drawn, const Vec3& reach, double skin_edge_m, const Vec3& at, double young_pa) {
+    BodyId add_soft(const char* name, VolumeMesh mesh, ImplicitShape drawn, const Vec3& reach, double skin_edge_m, const Vec3& at, double young_pa, double friction) {
         const VolumeMesh solid = stuff_isosurface(drawn, {.min_m = -reach, .max_m = reach, .edge_m = skin_edge_m});
         BodyDef def;
         def.name = name;
@@ -152,7 +152,7 @@ private:
         def.skin = Skin::build(def.shape->mesh(), {solid.vertices, extract_boundary(solid).triangles});
         def.material = Corotational{.young_pa = young_pa, .poisson = 0.35};
         def.density_kg_m3 = 400;
-        def.friction = 0.6;
+        def.friction = friction;
         def.translation_m = at;
         const BodyId id = world_.add_body(def);
         double low = 1e9;
@@ -162,17 +162,17 @@ private:
     }
 
     BodyId add_cushion() {
-        const Vec3 drawn(0.20, 0.05, 0.18), inner = drawn - Vec3::Constant(kStandOff_m);
-        return add_soft("cushion", stuff_isosurface([&](const Vec3& p) { return rounded_box(p, inner, 0.02); }, {.min_m = -1.2 * drawn, .max_m = 1.2 * drawn, .edge_m = 0.042}),
-                        [&](const Vec3& p) { return rounded_box(p, drawn, 0.035); }, 1.2 * drawn, 0.012, kCushion + Vec3(0, drawn.y(), 0), 1.5e4);
+        const Vec3 drawn(0.25, 0.05, 0.20), inner = drawn - Vec3::Constant(kStandOff_m);
+        return add_soft("cushion", stuff_isosurface([&](const Vec3& p) { return rounded_box(p, inner, 0.02); }, {.min_m = -1.2 * drawn, .max_m = 1.2 * drawn, .edge_m = 0.05}),
+                        [&](const Vec3& p) { return rounded_box(p, drawn, 0.035); }, 1.2 * drawn, 0.012, kCushion + Vec3(0, drawn.y(), 0), 1e4, 0.8);
     }
 
     void add_post(const Vec3& at) {
-        const double height = 0.13, radius = 0.021;
+        const double height = 0.13, radius = 0.030;
         const Vec3 half(radius - kStandOff_m + 0.001, 0.5 * height - kStandOff_m, radius - kStandOff_m + 0.001);
-        add_soft("post", make_tet_box({.min_m = -half, .max_m = half, .cells = {2, 10, 2}}),
+        add_soft("post", make_tet_box({.min_m = -half, .max_m = half, .cells = {2, 6, 2}}),
                  [&](const Vec3& p) { return (p - Vec3(0, std::clamp(p.y(), -0.5 * height + 0.008, 0.5 * height - radius), 0)).norm() - radius; },
-                 Vec3(1.3 * radius, 0.6 * height, 1.3 * radius), 0.006, at + Vec3(0, 0.5 * height, 0), 6e5);
+                 Vec3(1.3 * radius, 0.6 * height, 1.3 * radius), 0.007, at + Vec3(0, 0.5 * height, 0), 8e4, 0);
     }
 
     void dress(FrameView& view) {
@@ -206,7 +206,7 @@ private:
     Vec3 target_;
 };
 
-const RegisterDemo demo({"creature", "a soft creature is steered over planks, bumps and a ramp, through rubber posts, and leaps onto a cushion, at 60 steps a second (a game)",
+const RegisterDemo demo({"creature", "a soft creature is steered over planks, bumps and a ramp, between rubber posts, and leaps onto a cushion, at 60 steps a second (a game)",
                          [](const ShowOptions& options) { return std::make_unique<Creature>(options); }});
 
 }  // namespace

@@ -17,9 +17,9 @@ namespace supple::demos {
 namespace {
 
 constexpr double kJaw_m = 0.005, kHalf_m = 0.011;  // radius and half length of a jaw
-constexpr double kOpen_m = 0.012;                  // between a jaw and the surface while the forceps are open
-constexpr double kClosed = 0.45;                   // of the thickness of the edge
-constexpr double kCome_s = 0.6, kThere_s = 1.8, kClosed_s = 2.8, kPull_s = 3.1, kOpen_s = 7.4, kOpened_s = 7.7, kGone_s = 8.6;
+constexpr double kOpen_m = 0.016;                  // between a jaw and the surface while the forceps are open
+constexpr double kClosed = 0.38;                   // of the thickness of the edge
+constexpr double kCome_s = 0.6, kThere_s = 1.8, kClosed_s = 2.8, kPull_s = 3.1, kOpen_s = 8.2, kOpened_s = 8.8, kGone_s = 9.6;
 constexpr double kTooth_n = 2.5;                   // what a tooth holds
 constexpr double kMost_n = 10;                     // of the plot
 const Vec3 kPlace(-0.066, -0.089, 0);              // where the edge is taken; its depth is found
@@ -29,7 +29,7 @@ WorldDef world_def(const ShowOptions& options) {
     def.threads = options.threads;
     def.isa = options.isa;
     def.time_step_s = 1.0 / 120;
-    def.solver.contact_iterations = 80;
+    def.solver.contact_iterations = 40;
     def.solver.rayleigh_mass_1_s = 2;
     def.solver.rayleigh_stiffness_s = 0.003;
     return def;
@@ -50,7 +50,7 @@ public:
             ColliderDef tool;
             tool.name = jaw == 0 ? "front jaw" : "back jaw";
             tool.shape = CapsuleShape{kJaw_m, kHalf_m};
-            tool.friction = 1;
+            tool.friction = 0;  // wet: it is the teeth that hold
             tool.motion = ColliderMotion::kinematic;
             tool.pose = {place(jaw, 0), rotation()};
             jaws_[jaw] = world_.add_collider(tool);
@@ -62,7 +62,7 @@ public:
     }
 
     World& world() override { return world_; }
-    double duration_s() const override { return 9.5; }
+    double duration_s() const override { return 10.4; }
 
     void before_step() override {
         const double t = world_.time_s() + world_.def().time_step_s;
@@ -106,8 +106,8 @@ public:
         if (force.norm() > 0.05) view.arrows.push_back({between, between + 0.09 * (1 - std::exp(-force.norm() / 2)) * force.normalized()});
         view.caption = t < kThere_s    ? "Forceps come to the lower edge of a liver"
                        : t < kPull_s   ? "They close, and their teeth take hold"
-                       : t < kOpen_s   ? "Pulled down, then turned up"
-                                       : "Opened: it swings back";
+                       : t < kOpen_s   ? t < 7.1 ? "Pulled down, then turned up" : "Brought back"
+                                       : "Opened";
         PlotView plot;
         plot.title = "Force of the jaws [N]";
         plot.end = duration_s();
@@ -126,14 +126,13 @@ private:
     /// Across the jaws: they close along it.
     static Vec3 across() { return (Vec3(0, 0, 1) - along().z() * along()).normalized(); }
 
-    /// The vertices that each jaw touches are tied to it.
+    /// The triangles that each jaw touches are tied to it.
     void bite() {
         std::vector<std::pair<ColliderId, std::int32_t>> held;
         for (const ContactPoint& c : world_.contacts()) {
             if (c.body != body_) continue;
             const Triangle& corners = world_.shape(body_).boundary().triangles[std::size_t(c.triangle)];
-            const auto nearest = std::max_element(c.barycentric.begin(), c.barycentric.end()) - c.barycentric.begin();
-            held.emplace_back(c.collider, corners[std::size_t(nearest)]);
+            for (const std::int32_t vertex : corners) held.emplace_back(c.collider, vertex);
         }
         std::sort(held.begin(), held.end(), [](const auto& a, const auto& b) { return std::pair(a.first.index, a.second) < std::pair(b.first.index, b.second); });
         held.erase(std::unique(held.begin(), held.end()), held.end());
@@ -169,7 +168,7 @@ private:
         const double open = half + kJaw_m + kOpen_m, closed = kClosed * half + kJaw_m;
         double gap = open + smooth_step(kThere_s, kClosed_s, t) * (closed - open);
         gap += smooth_step(kOpen_s, kOpened_s, t) * (open + 0.01 - closed);
-        static const std::vector<Stop> stops{{kPull_s, Vec3::Zero()}, {4.5, {0.004, -0.026, 0.006}}, {4.9, {0.004, -0.026, 0.006}}, {6.6, {0.022, 0.020, 0.040}}, {7.1, {0.022, 0.020, 0.040}}};
+        static const std::vector<Stop> stops{{kPull_s, Vec3::Zero()}, {4.6, {0.010, -0.042, 0.010}}, {5.0, {0.010, -0.042, 0.010}}, {6.7, {0.050, 0.015, 0.065}}, {7.1, {0.050, 0.015, 0.065}}, {8.1, {0.008, -0.002, 0.012}}};
         Vec3 way = t <= kPull_s ? Vec3::Zero() : eased_at(stops, t);
         way -= 0.16 * (1 - smooth_step(kCome_s, kThere_s, t) + smooth_step(kOpened_s, kGone_s, t)) * along();
         return kPlace + (middle + side * gap) * across() + way;
