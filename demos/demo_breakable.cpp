@@ -61,7 +61,7 @@ public:
     }
 
     World& world() override { return world_; }
-    double duration_s() const override { return 9.5; }
+    double duration_s() const override { return 8.5; }
     void let_go() override { script_.let_go(); }
 
     void before_step() override {
@@ -78,7 +78,7 @@ public:
 
     void decorate(FrameView& view) override {
         read();
-        view.camera.target_m = Vec3(0.016, -0.036, 0);
+        view.camera.target_m = Vec3(0.016, -0.036 - 0.045 * smooth_step(5, 6.5, world_.time_s()), 0);
         view.camera.eye_m = view.camera.target_m + Vec3(0.10 * std::sin(0.25 * world_.time_s()) - 0.04, 0.040, 0.47);
         view.camera.fov_deg = 32;
         view.key_light = Vec3(-0.6, 1, 0.9);
