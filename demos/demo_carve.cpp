@@ -24,7 +24,6 @@ WorldDef world_def(const ShowOptions& options) {
     def.threads = options.threads;
     def.isa = options.isa;
     def.time_step_s = 1.0 / 120;
-    def.solver.cg_relative_tolerance = 1e-4;
     def.solver.contact_iterations = 40;
     def.solver.rayleigh_mass_1_s = 1;
     def.solver.rayleigh_stiffness_s = 0.002;
