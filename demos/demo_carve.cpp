@@ -24,7 +24,8 @@ WorldDef world_def(const ShowOptions& options) {
     def.threads = options.threads;
     def.isa = options.isa;
     def.time_step_s = 1.0 / 120;
-    def.solver.contact_iterations = 40;
+    def.solver.cg_relative_tolerance = 1e-4;
+    def.solver.contact_iterations = 150;
     def.solver.rayleigh_mass_1_s = 1;
     def.solver.rayleigh_stiffness_s = 0.002;
     return def;
@@ -43,7 +44,7 @@ class Carve : public Show {
 public:
     explicit Carve(const ShowOptions& options)
         : world_(world_def(options)), device_(haptics::device_preset("falcon"), hand()), loop_(device_, {}),
-          link_(std::in_place, world_, loop_, haptics::ToolLinkDef{.shape = SphereShape{kBurr_m}, .friction = 0.2, .mass_kg = 0.02}) {
+          link_(std::in_place, world_, loop_, haptics::ToolLinkDef{.shape = SphereShape{kBurr_m}, .friction = 0, .mass_kg = 0.02}) {
         BodyDef def;
         def.name = "block";
         def.shape = BodyTemplate::build(make_hex_box({.min_m = {-kSize_m / 2, 0, -kSize_m / 2}, .max_m = {kSize_m / 2, kSize_m, kSize_m / 2}, .cells = {kCells, kCells, kCells}}));
