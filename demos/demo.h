@@ -15,6 +15,13 @@ namespace supple::demos {
 /// What the colours of the surfaces show.
 enum class ColorBy { nothing, stress, stiffness };
 
+/// A number that a show tells beside its bodies: a force, a count.
+struct Reading {
+    std::string name;
+    double value = 0;
+    std::string unit;  ///< empty: a count
+};
+
 /// A running demo or scene: a world, what is done to it over time, and how it is shown.
 class Show {
 public:
@@ -25,6 +32,7 @@ public:
     virtual void decorate(FrameView& view) { (void)view; }  ///< camera, caption, colour range, arrows; surfaces are already there
     virtual ColorBy color_by() const { return ColorBy::stress; }  ///< at this moment, unless the command line says otherwise
     virtual std::vector<Probe> make_probes() { return {}; }  ///< what `run --probes` watches; none: every body as a whole
+    virtual std::vector<Reading> readings() { return {}; }  ///< at this moment; they stand in the line at the top of the picture
     virtual double duration_s() const { return 10; } ///< how long `record` runs by default
 };
 

@@ -1,5 +1,6 @@
 // A liver is held at both lobes and pulled while a blade goes down through it: the lips gape, the stress that ran across the cut is gone from them.
 #include "demo.h"
+#include "drawn_shapes.h"
 #include "framing.h"
 #include "open_show.h"
 #include "supple/io/mesh_file.h"
@@ -9,7 +10,7 @@
 namespace supple::demos {
 namespace {
 
-constexpr double kCutBegin_s = 2.6, kCutEnd_s = 6.6;
+constexpr double kCutBegin_s = 2.2, kCutEnd_s = 6.8, kBlade_m = 0.05;
 
 WorldDef world_def(const ShowOptions& options) {
     WorldDef def;
@@ -38,7 +39,7 @@ public:
             Motion motion{.where = lobe};
             for (int i = 0; i <= 20; ++i) {
                 motion.displacement_m.times_s.push_back(0.6 + 0.3 * i);
-                motion.displacement_m.values.push_back(Vec3(side * 0.1 * size.x() * smooth_step(0, 20, i), 0, 0));
+                motion.displacement_m.values.push_back(Vec3(side * 0.15 * size.x() * smooth_step(0, 20, i), 0, 0));
             }
             world_.prescribe(body_, motion);
         }
@@ -46,8 +47,8 @@ public:
         blade_.body = body_;
         const double x = bounds_.min_m.x() + 0.52 * size.x();
         for (const double z : {bounds_.max_m.z() + 0.03, bounds_.min_m.z() - 0.03}) {
-            blade_.from_m.push_back(Vec3(x, bounds_.max_m.y() + 0.02, z));
-            blade_.to_m.push_back(Vec3(x + 0.012, bounds_.min_m.y() + 0.60 * size.y(), z));
+            blade_.from_m.push_back(Vec3(x, bounds_.max_m.y() - 0.002, z));
+            blade_.to_m.push_back(Vec3(x + 0.012, bounds_.min_m.y() + 0.53 * size.y(), z));
         }
         blade_.begin_s = kCutBegin_s;
         blade_.end_s = kCutEnd_s;
@@ -67,7 +68,7 @@ public:
         const double t = world_.time_s();
         view.camera = camera_;
         view.surfaces[0].look = Look::tissue;
-        if (view.scale) view.scale->high = 3000;
+        if (view.scale) view.scale->high = 5000;
         if (t < kCutBegin_s)
             view.caption = "A liver is held at both lobes and pulled";
         else if (t < kCutEnd_s)
@@ -77,7 +78,10 @@ public:
         if (playing_ && t > kCutBegin_s - 0.8 && t < kCutEnd_s + 0.2) {
             const double s = std::clamp((t - kCutBegin_s) / (kCutEnd_s - kCutBegin_s), 0.0, 1.0);
             const Vec3 a = (1 - s) * blade_.from_m[0] + s * blade_.to_m[0], b = (1 - s) * blade_.from_m[1] + s * blade_.to_m[1];
-            for (int i = 0; i <= 24; ++i) view.markers.push_back({a + i / 24.0 * (b - a), 0.0022, {0.85f, 0.88f, 0.92f}});
+            const Vec3 up(0, kBlade_m, 0), away(0, 0.14 * (1 - smooth_step(kCutBegin_s - 0.8, kCutBegin_s, t)), 0);  // it is seen coming
+            drawn_.clear();
+            drawn_.surface(thick_strip(std::array{Vec3(a + away), Vec3(b + away)}, std::array{Vec3(a + away + up), Vec3(b + away + up)}, 0.0016), {0.86f, 0.89f, 0.92f}, Look::rubber, 0.7);
+            drawn_.add_to(view);
         }
     }
 
@@ -88,6 +92,7 @@ private:
     CutEvent blade_;
     EditScript script_;
     bool playing_ = true;
+    DrawnShapes drawn_;
     Camera camera_;
 };
 

@@ -35,10 +35,17 @@ struct Passenger {
     Embedding embedding;
     std::vector<Vec3> positions;
     std::array<float, 3> color{};
+    std::uint64_t edits = 0;
 
     Passenger(const World& world, BodyId id, mesh::TriangleMesh s, std::array<float, 3> c)
         : body(id), surface(std::move(s)), embedding(world.shape(id).mesh(), surface.vertices), positions(surface.vertices.size()), color(c) {}
-    void move(const World& world) { embedding.deform(world.positions(body), positions); }
+    void move(const World& world) {
+        if (edits != world.edit_count(body)) {  // a hand in the window has cut it: other vertices, the same rest shape
+            embedding = Embedding(world.shape(body).mesh(), surface.vertices);
+            edits = world.edit_count(body);
+        }
+        embedding.deform(world.positions(body), positions);
+    }
 };
 
 struct Piece {

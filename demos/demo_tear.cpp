@@ -53,7 +53,7 @@ public:
     World& world() override { return world_; }
     double duration_s() const override { return 6; }
     void before_step() override {
-        if (!playing_ || world_.step_count() % 2 != 0) return;  // the stress moves on before the next faces are looked at
+        if (!playing_ || world_.step_count() % 4 != 0) return;  // the stress moves on before the next faces are looked at
         const TopologyDelta delta = tear_overstressed(world_, body_, tear_);
         if (delta.is_identity()) return;
         torn_ += delta.added_vertices().size();

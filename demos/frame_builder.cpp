@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <optional>
 
 #include "framing.h"
@@ -15,6 +16,14 @@ double round_up(double value) {
     for (const double step : {1.0, 2.0, 5.0})
         if (value <= step * decade) return step * decade;
     return 10 * decade;
+}
+
+std::string number_text(const Reading& reading) {
+    char text[64];
+    if (reading.unit.empty()) std::snprintf(text, sizeof text, "%.0f", reading.value);
+    else if (reading.unit == "%") std::snprintf(text, sizeof text, "%.0f %%", reading.value);
+    else std::snprintf(text, sizeof text, "%.2f %s", reading.value, reading.unit.c_str());
+    return text;
 }
 
 /// Room below the bodies for what hangs and swings.
@@ -178,6 +187,8 @@ FrameView& FrameBuilder::build(double alpha, const std::string& hud, double elap
         add_contact_arrows(world, 4 * size_m_ / std::max(weight_n, 1e-3), view_);  // a tenth of the weight is as long as 0.4 of the scene
     }
     view_.hud = hud;
+    if (!hud.empty())
+        for (const Reading& reading : show_->readings()) view_.hud += "   " + reading.name + " " + number_text(reading);
     const std::optional<ColorScale> automatic = view_.scale;
     show_->decorate(view_);
     if (view_.scale && automatic && options_.automatic_range) view_.scale = automatic;

@@ -160,6 +160,60 @@ TEST(IoExport, AnAnimationAsGltf) {
     }
 }
 
+TEST(IoExport, AnEditedBodyHasAMeshPerMeshItHadInAGltfAnimation) {
+    const test::TemporaryFolder folder;
+    World world = falling_bar();
+    const BodyId bar = world.bodies()[0];
+    const std::size_t before = world.shape(bar).boundary().triangles.size();
+    const auto out = ResultExport::open(folder / "a.gltf", world, true);
+    std::vector<float> times;
+    std::vector<std::size_t> triangles;
+    for (int frame = 0; frame < 6; ++frame) {
+        if (frame == 2) world.remove_elements(bar, std::vector<std::int32_t>{0});
+        if (frame == 5) world.undo_edit(bar);
+        out->add_frame(world);
+        times.push_back(float(world.time_s()));
+        triangles.push_back(world.shape(bar).boundary().triangles.size());
+        world.step();
+    }
+    out->finish();
+    const nlohmann::json g = nlohmann::json::parse(read_text_file(folder / "a.gltf"));
+    ASSERT_EQ(g["meshes"].size(), 3u) << "frames 0 and 1, 2 to 4, 5";
+    EXPECT_NE(triangles[2], before);
+    EXPECT_EQ(triangles[5], before);
+    const std::size_t first[] = {0, 2, 5}, frames[] = {2, 3, 1};
+    for (std::size_t m = 0; m < 3; ++m) {
+        const auto& primitive = g["meshes"][m]["primitives"][0];
+        EXPECT_EQ(g["accessors"][primitive["indices"].get<std::size_t>()]["count"], 3 * triangles[first[m]]);
+        EXPECT_EQ(primitive.contains("targets") ? primitive["targets"].size() : 0, frames[m] - 1);
+        EXPECT_EQ(primitive["material"], 0) << "one body, one colour";
+    }
+    // When each is seen.
+    const auto& animation = g["animations"][0];
+    for (std::size_t m = 0; m < 3; ++m) {
+        bool found = false;
+        for (const auto& channel : animation["channels"]) {
+            if (channel["target"]["node"] != m + 1 || channel["target"]["path"] != "scale") continue;
+            found = true;
+            const auto& sampler = animation["samplers"][channel["sampler"].get<std::size_t>()];
+            EXPECT_EQ(sampler["interpolation"], "STEP");
+            const auto& input = g["accessors"][sampler["input"].get<std::size_t>()];
+            EXPECT_EQ(input["count"], g["accessors"][sampler["output"].get<std::size_t>()]["count"]);
+            if (m == 1) {
+                EXPECT_EQ(input["count"], 3) << "gone, seen, gone";
+                EXPECT_EQ(input["min"][0].get<float>(), times[0]);
+                EXPECT_EQ(input["max"][0].get<float>(), times[5]);
+            }
+        }
+        EXPECT_TRUE(found) << m;
+    }
+    for (const auto& channel : animation["channels"])
+        if (channel["target"]["path"] == "weights") {
+            const std::size_t m = channel["target"]["node"].get<std::size_t>() - 1;
+            EXPECT_EQ(g["accessors"][animation["samplers"][channel["sampler"].get<std::size_t>()]["input"].get<std::size_t>()]["count"], frames[m]);
+        }
+}
+
 TEST(IoExport, MeshioReadsWhatWeWrite) {
     std::string python;
     if (!test::python_with("meshio", python)) return;

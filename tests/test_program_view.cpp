@@ -221,6 +221,51 @@ TEST_F(View, EveryToolHoldsAndReportsAForce) {
     }
 }
 
+TEST_F(View, TheScalpelCutsAlongADragAndUndoTakesItBack) {
+    NEEDS_SCREEN();
+    write_bar();
+    const Result r = view("bar.json",
+                          "key 4\nwait 10\nprint\nslide blade depth 0.9\nmove 0.5 0.15\npress left\nmove 0.5 0.5 10\nprint\npicture preview.png\nmove 0.5 0.95 10\nprint\nrelease left\nprint\n"
+                          "wait 20\nprint\npicture cut.png\n"                                           // 4: what was cut off falls
+                          "key u\nwait 1\nprint\n"                                                      // 5: whole again
+                          "key 1\nmove 0.5 0.5\npress left\nmove 0.55 0.4 10\nprint\nrelease left\n"  // 6: other tools go on
+                          "key u\nwait 2\nprint\n");                                                    // 7: nothing is left to undo
+    ASSERT_EQ(r.states.size(), 8u) << r.out << r.err;
+    EXPECT_EQ(r.states[0]["tool"], "Scalpel");
+    EXPECT_EQ(r.states[0]["pieces"], 1);
+    EXPECT_TRUE(r.states[1]["holds"]) << "it may begin beside the body";
+    EXPECT_EQ(r.states[2]["edits"], 0) << "it cuts when it is let go";
+    EXPECT_EQ(r.states[3]["edits"], 1) << r.states[3];
+    EXPECT_EQ(r.states[3]["pieces"], 2) << "through";
+    EXPECT_GT(r.states[3]["elements"], r.states[0]["elements"]) << "tets are split along it";
+    EXPECT_LT(y_of(r.states[4]), y_of(r.states[3]) - 0.05);
+    EXPECT_EQ(r.states[5]["pieces"], 1);
+    EXPECT_EQ(r.states[5]["elements"], r.states[0]["elements"]);
+    EXPECT_NEAR(y_of(r.states[5]), y_of(r.states[3]), 0.02) << "as it stood before the cut";
+    EXPECT_TRUE(r.states[6]["holds"]);
+    EXPECT_GT(r.states[6]["force_n"], 0.01);
+    EXPECT_NE(r.states[7]["message"].get<std::string>().find("nothing to undo"), std::string::npos) << r.states[7];
+    EXPECT_GT(compare(crop(picture("preview.png"), 0.48, 0.1, 1, 0.7), crop(picture("cut.png"), 0.48, 0.1, 1, 0.7)).fraction_above_16, 0.01);
+}
+
+TEST_F(View, TheBurrTakesElementsAwayAndEscapeCancelsAScalpel) {
+    NEEDS_SCREEN();
+    write_bar();
+    const Result r = view("bar.json",
+                          "wait 5\nprint\nkey 5\nmove 0.5 0.5\npress left\nwait 12\nprint\nrelease left\nwait 5\nprint\nclick undo\nwait 1\nprint\n"
+                          "key 4\nmove 0.5 0.15\npress left\nmove 0.5 0.95 10\nkey escape\nrelease left\nwait 2\nprint\n");
+    ASSERT_EQ(r.states.size(), 5u) << r.out << r.err;
+    const auto elements = [&](std::size_t i) { return r.states[i]["elements"].get<int>(); };
+    EXPECT_EQ(r.states[1]["tool"], "Burr");
+    EXPECT_TRUE(r.states[1]["holds"]);
+    EXPECT_LT(elements(1), elements(0));
+    EXPECT_GT(elements(1), 0);
+    EXPECT_EQ(elements(2), elements(1)) << "let go, it eats no more";
+    EXPECT_GT(elements(3), elements(2)) << "undo gives a bite back";
+    EXPECT_EQ(elements(4), elements(3)) << "cancelled";
+    EXPECT_FALSE(r.states[4]["holds"]);
+}
+
 TEST_F(View, TheSameScriptGivesTheSameBits) {
     NEEDS_SCREEN();
     write_bar();

@@ -11,7 +11,7 @@ void Desk::say(const std::string& text, bool is_error, double for_s) {
 
 void Desk::choose_tool(std::size_t number) {
     if (number >= tools.size() || number == tool) return;
-    tool_at_hand().release(session.world());
+    tool_at_hand().cancel(session.world());
     tool = number;
 }
 

@@ -35,7 +35,7 @@ enum class RangeKind { scene, automatic, fixed };
 /// What a person asks for in panels and by keys; the viewer does it between two frames.
 struct Wishes {
     std::string open;         ///< a scene; empty: none
-    bool restart = false, step = false, frame_camera = false, picture = false, window_picture = false, film = false, quit = false;
+    bool restart = false, step = false, frame_camera = false, picture = false, window_picture = false, film = false, undo = false, quit = false;
 };
 
 /// Everything that lies on the desk of the viewer: what is open, how it is seen, what is at hand. Panels read and change it.

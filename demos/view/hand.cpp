@@ -14,16 +14,17 @@ namespace {
 constexpr double kTurn_rad = 3.6;        // for a movement across the height of the picture
 constexpr double kZoomPerStep = 0.88;
 
-/// Uses the tool on the body under the cursor; false where there is none.
+/// Uses the tool on the body under the cursor; false where there is none and the tool needs one.
 bool use_tool(Desk& desk, const Pointer& pointer) {
     World& world = desk.session.world();
     const auto hit = world.pick(pointer.ray);
-    if (!hit) return false;
-    desk.session.take_over();
     const std::vector<BodyId> bodies = world.bodies();
-    desk.body = std::size_t(std::find(bodies.begin(), bodies.end(), hit->body) - bodies.begin());
+    if (!hit && (!desk.tool_at_hand().begins_beside() || bodies.empty())) return false;
+    desk.session.take_over();
+    if (hit) desk.body = std::size_t(std::find(bodies.begin(), bodies.end(), hit->body) - bodies.begin());
+    desk.body = std::min(desk.body, bodies.size() - 1);
     const SceneBounds bounds = bounds_of(world);
-    return desk.tool_at_hand().press(world, pointer, {(bounds.max_m - bounds.min_m).norm(), weight_of(world, hit->body)});
+    return desk.tool_at_hand().press(world, pointer, {(bounds.max_m - bounds.min_m).norm(), weight_of(world, bodies[desk.body])});
 }
 
 }  // namespace

@@ -12,8 +12,8 @@ struct Row {
     const char* does;
 };
 // The table of the README says the same.
-constexpr std::array<Row, 22> kRows = {{
-    {"Left button on a body", "use the tool: grab, pinch, poke"},
+constexpr std::array<Row, 23> kRows = {{
+    {"Left button on a body", "use the tool; the scalpel may begin beside it"},
     {"Left button beside, right button", "turn the camera"},
     {"Middle button, Shift + right", "move the camera"},
     {"Wheel", "zoom; with a tool in use: along the line of sight"},
@@ -21,7 +21,8 @@ constexpr std::array<Row, 22> kRows = {{
     {". (period)", "one time step"},
     {"R", "restart; materials and solver stay as they are"},
     {"- and +", "slower, faster"},
-    {"1, 2, 3", "tool: grab, pinch, poke"},
+    {"1, 2, 3, 4, 5", "tool: grab, pinch, poke, scalpel, burr"},
+    {"U", "undo the last cut or bite; eight at most"},
     {"Escape", "let go; close this help"},
     {"F", "show all bodies"},
     {"M", "colours: stress, stiffness, plain"},
@@ -43,7 +44,7 @@ void help_window(Desk& desk, float ui_scale) {
     const ImVec2 screen = ImGui::GetIO().DisplaySize;
     const float width = std::min(520 * ui_scale, 0.92f * screen.x);
     ImGui::SetNextWindowPos(ImVec2(0.5f * screen.x, 0.5f * screen.y), ImGuiCond_Always, ImVec2(0.5f, 0.5f));
-    ImGui::SetNextWindowSize(ImVec2(width, std::min(0.92f * screen.y, 27 * ImGui::GetTextLineHeightWithSpacing())));
+    ImGui::SetNextWindowSize(ImVec2(width, std::min(0.92f * screen.y, 29 * ImGui::GetTextLineHeightWithSpacing())));
     ImGui::SetNextWindowFocus();
     if (ImGui::Begin("Keys and mouse", &desk.help, ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoSavedSettings)) {
         if (ImGui::BeginTable("keys", 2, ImGuiTableFlags_RowBg)) {

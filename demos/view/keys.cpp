@@ -40,8 +40,9 @@ void handle_key(Desk& desk, const KeyPress& pressed) {
         case GLFW_KEY_KP_ADD: session.time_scale = std::min(4.0, session.time_scale * 1.5); break;
         case GLFW_KEY_ESCAPE:
             desk.help = false;
-            desk.tool_at_hand().release(session.world());
+            desk.tool_at_hand().cancel(session.world());
             break;
+        case GLFW_KEY_U: desk.wishes.undo = true; break;
         case GLFW_KEY_F: desk.wishes.frame_camera = true; break;
         case GLFW_KEY_M: next_colours(desk); break;
         case GLFW_KEY_E: desk.frame.stress_at = FrameOptions::At((int(desk.frame.stress_at) + 1) % 3); break;

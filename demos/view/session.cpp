@@ -35,6 +35,7 @@ void Session::begin(OpenedShow opened) {
     pending_s_ = 0;
     alpha_ = 1;
     script_ = true;
+    for (Edit& edit : edits_) edit.applied = 1;
     flags_.clear();
     last_ = {};
     hud_.emplace(world());
@@ -126,9 +127,15 @@ void Session::set_material(std::size_t body, const Material& material) {
 void Session::apply(std::size_t body) {
     const BodyId id = world().bodies()[body];
     std::vector<double> factors = edits_[body].own_factors;
-    if (factors.empty()) factors.assign(world().element_young_pa(id).size(), 1.0);
+    const std::size_t elements = world().element_young_pa(id).size();
+    if (!factors.empty() && factors.size() != elements) {  // its mesh was edited: the definition went along
+        factors = world().definition(id).stiffness_factor_per_element;
+        for (double& factor : factors) factor /= edits_[body].applied;
+    }
+    if (factors.empty()) factors.assign(elements, 1.0);
     for (double& factor : factors) factor *= edits_[body].factor;
     world().set_stiffness_factor(id, factors);
+    edits_[body].applied = edits_[body].factor;
 }
 
 void Session::set_stiffness_factor(std::size_t body, double factor) {

@@ -74,6 +74,7 @@ private:
         std::optional<Material> material;
         double factor = 1;
         std::vector<double> own_factors;  ///< of the definition, before ours
+        double applied = 1;               ///< of ours, in the definition as it is
     };
 
     OpenedShow open_any(const std::string& scene) const;

@@ -31,6 +31,8 @@ std::string state_line(Desk& desk, std::size_t frame) {
         const Moduli moduli = moduli_of(def.material);
         line.add("body", json(world.name(bodies[desk.body]))).add("law", json(law_names()[def.material.index()]));
         line.add("young_pa", json(moduli.young_pa)).add("poisson", json(moduli.poisson)).add("factor", json(session.stiffness_factor(desk.body)));
+        const BodyId id = bodies[desk.body];
+        line.add("elements", json(world.shape(id).mesh().element_count())).add("edits", json(std::size_t(world.edit_count(id)))).add("pieces", json(world.pieces(id).size()));
         line.add("centre_m", json(centre)).add("elastic_j", json(world.energy().elastic_j));
     }
     return line.line();

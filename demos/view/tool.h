@@ -36,7 +36,10 @@ public:
     virtual void before_step(World& world, double step_s) { (void)world, (void)step_s; }
     /// Lets go; does nothing where it holds nothing, or where its body is gone.
     virtual void release(World& world) = 0;
+    virtual void cancel(World& world) { release(world); }  ///< lets go without doing what release() would do
     virtual bool holds() const = 0;
+    virtual bool begins_beside() const { return false; }  ///< its movement may begin where no body is
+    virtual bool edits() const { return false; }          ///< what it does to meshes can be undone
 
     virtual double force_n(const World& world) const = 0;  ///< size of what it does to the body, in the last step
     virtual void draw(const World& world, FrameView& view) const = 0;

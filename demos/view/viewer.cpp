@@ -50,6 +50,7 @@ public:
 private:
     void frame(double elapsed_s);
     void fulfil_wishes();
+    void undo_edit();
     void take_up_scene();
     void simulate(double elapsed_s);
     void draw_scene(double elapsed_s);
@@ -88,7 +89,7 @@ void Viewer::fulfil_wishes() {
     Wishes wishes = std::exchange(desk_.wishes, {});
     Session& session = desk_.session;
     if (!wishes.open.empty() || wishes.restart) {
-        desk_.tool_at_hand().release(session.world());
+        desk_.tool_at_hand().cancel(session.world());
         keeps_camera_ = wishes.open.empty();
         careful([&] {
             if (wishes.restart) session.restart();
@@ -100,6 +101,7 @@ void Viewer::fulfil_wishes() {
         session.playing = false;
         desk_.steps = session.step_once();
     }
+    if (wishes.undo) undo_edit();
     if (wishes.frame_camera) desk_.camera.frame(bounds_of(session.world()), desk_.viewport.aspect());
     if (wishes.picture)
         careful([&] {
@@ -124,6 +126,17 @@ void Viewer::fulfil_wishes() {
             }
         });
     if (wishes.quit) window_.close();
+}
+
+/// Of the body that was cut last; of the chosen one where that has nothing to undo.
+void Viewer::undo_edit() {
+    World& world = desk_.session.world();
+    desk_.tool_at_hand().cancel(world);  // it may hold what goes
+    std::vector<BodyId> bodies = world.bodies();
+    if (desk_.body < bodies.size()) std::swap(bodies[0], bodies[desk_.body]);
+    for (const BodyId body : bodies)
+        if (world.undo_edit(body)) return;
+    desk_.say("there is nothing to undo");
 }
 
 /// Another world than in the last frame: what was made for the old one goes.
@@ -237,7 +250,7 @@ void Viewer::frame(double elapsed_s) {
     for (const std::string& file : window_.take_drops()) desk_.wishes.open = file;
     draw_panels(desk_, io.DisplaySize.x, io.DisplaySize.y, gui_.scale());
     fulfil_wishes();
-    hand_.act(desk_);
+    careful([&] { hand_.act(desk_); });
     simulate(elapsed_s);
     const Stopwatch drawing;
     if (!window_.is_minimised()) draw_scene(elapsed_s);
@@ -271,7 +284,7 @@ int Viewer::run() {
         if (script_.plays() && script_.ended()) break;
     }
     careful([&] { desk_.recorder.end(); });
-    desk_.tool_at_hand().release(desk_.session.world());
+    desk_.tool_at_hand().cancel(desk_.session.world());
     if (!script_.plays() || script_.ended()) return kAllWell;
     std::fprintf(stderr, "supple view: the window closed before the script was over\n");
     return kRunFailed;

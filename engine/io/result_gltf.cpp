@@ -1,8 +1,10 @@
 // Results as an animated glTF 2.0 file (Khronos, "glTF 2.0 Specification"): a mesh per body, a morph target per frame after the first, and
-// weights that go from each target to the next, linearly, at the frames' times. Everything lies in one buffer, float32 and uint32.
+// weights that go from each target to the next, linearly, at the frames' times. A body whose mesh is edited on the way has a mesh per mesh it had: each is seen (scale 1)
+// from its first frame to the next one's, and has no size otherwise. Everything lies in one buffer, float32 and uint32.
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "supple/io/base64.h"
@@ -121,18 +123,18 @@ public:
     void add_frame(const World& world) override {
         if (times_.empty()) begin(world);
         const std::vector<BodyId> bodies = world.bodies();
-        if (bodies.size() != parts_.size())
+        if (bodies.size() != now_.size())
             throw Error(ErrorCode::unsupported, file_.string(), "a body was added or removed during the animation; end it before");
         for (std::size_t b = 0; b < bodies.size(); ++b)
-            if (world.edit_count(bodies[b]) != parts_[b].edits)
-                throw Error(ErrorCode::unsupported, file_.string(), "the mesh of \"" + world.name(bodies[b]) + "\" was edited, and a glTF animation has one mesh; write .pvd or .vtu instead");
+            if (world.edit_count(bodies[b]) != parts_[now_[b]].edits) begin_part(world, b);
         times_.push_back(float(world.time_s()));
         for (std::size_t b = 0; b < bodies.size(); ++b) {
             const auto positions = world.positions(bodies[b]);
+            Part& part = parts_[now_[b]];
             std::vector<Vec3> x;
-            for (const std::int32_t v : parts_[b].surface.vertices) x.push_back(positions[std::size_t(v)]);
-            parts_[b].frames.push_back(to_float(x));
-            parts_[b].normals.push_back(normals_of(x, parts_[b].surface.triangles));
+            for (const std::int32_t v : part.surface.vertices) x.push_back(positions[std::size_t(v)]);
+            part.frames.push_back(to_float(x));
+            part.normals.push_back(normals_of(x, part.surface.triangles));
         }
     }
 
@@ -141,21 +143,41 @@ public:
         json document = {{"asset", {{"version", "2.0"}, {"generator", "supple"}}}, {"scene", 0}};
         json meshes = json::array(), nodes = json::array(), materials = json::array(), children = json::array();
         json samplers = json::array(), channels = json::array();
-        const int targets = int(times_.size()) - 1;
-        const int time = targets > 0 ? buffer.add(times_, true) : -1;
-        int weights = -1;
-        for (std::size_t b = 0; b < parts_.size(); ++b) {
-            const int node = int(b) + 1;  // 0 is the root
-            materials.push_back(material_of(b));
-            meshes.push_back(mesh_of(buffer, parts_[b], int(b)));
-            nodes.push_back({{"mesh", int(b)}, {"name", parts_[b].name}});
+        for (std::size_t b = 0; b < now_.size(); ++b) materials.push_back(material_of(b));
+        std::map<std::pair<std::size_t, std::size_t>, int> sampler_of;  // frames from, to: bodies that were never edited share one
+        const auto animate = [&](int node, const char* path, int sampler) {
+            channels.push_back({{"sampler", sampler}, {"target", {{"node", node}, {"path", path}}}});
+        };
+        for (std::size_t p = 0; p < parts_.size(); ++p) {
+            const Part& part = parts_[p];
+            const int node = int(p) + 1;  // 0 is the root
+            const std::size_t from = part.first_frame, to = from + part.frames.size();
+            meshes.push_back(mesh_of(buffer, part, int(part.body)));
+            nodes.push_back({{"mesh", int(p)}, {"name", part.name}});
             children.push_back(node);
-            if (targets <= 0) continue;
-            if (weights < 0) {
-                weights = buffer.add(weight_table(), false);
-                samplers.push_back({{"input", time}, {"output", weights}, {"interpolation", "LINEAR"}});
+            if (to - from > 1) {
+                const auto [sampler, is_new] = sampler_of.try_emplace({from, to}, int(samplers.size()));
+                if (is_new) {
+                    const int time = buffer.add(std::vector<float>(times_.begin() + std::ptrdiff_t(from), times_.begin() + std::ptrdiff_t(to)), true);
+                    samplers.push_back({{"input", time}, {"output", buffer.add(weight_table(to - from), false)}, {"interpolation", "LINEAR"}});
+                }
+                animate(node, "weights", sampler->second);
             }
-            channels.push_back({{"sampler", 0}, {"target", {{"node", node}, {"path", "weights"}}}});
+            if (to - from == times_.size()) continue;
+            std::vector<float> when{times_[0]};
+            std::vector<Vec3f> scale{from == 0 ? kSeen : kGone};
+            if (from > 0) {
+                when.push_back(times_[from]);
+                scale.push_back(kSeen);
+            }
+            if (to < times_.size()) {
+                when.push_back(times_[to]);
+                scale.push_back(kGone);
+            }
+            const int time = buffer.add(when, true);
+            samplers.push_back({{"input", time}, {"output", buffer.add(scale, false)}, {"interpolation", "STEP"}});
+            animate(node, "scale", int(samplers.size()) - 1);
+            if (from > 0) nodes.back()["scale"] = kGone;
         }
         nodes.insert(nodes.begin(), json{{"name", "world"}, {"children", children}, {"rotation", rotation_}});
         document["scenes"] = {{{"nodes", {0}}}};
@@ -170,13 +192,26 @@ public:
 private:
     struct Part {
         std::string name;
+        std::size_t body = 0;
         BodySurface surface;
-        std::vector<std::vector<Vec3f>> frames, normals;
-        std::uint64_t edits = 0;  ///< of the mesh when the animation began
+        std::uint64_t edits = 0;      ///< of the body when this was its mesh
+        std::size_t first_frame = 0;
+        std::vector<std::vector<Vec3f>> frames = {}, normals = {};
     };
+    static constexpr Vec3f kSeen{1, 1, 1}, kGone{0, 0, 0};
+
+    /// A mesh of its own from the next frame on.
+    void begin_part(const World& world, std::size_t body) {
+        const BodyId id = world.bodies()[body];
+        std::string name = world.name(id);
+        if (!times_.empty()) name += ", edit " + std::to_string(world.edit_count(id));
+        now_[body] = parts_.size();
+        parts_.push_back({std::move(name), body, body_surface(world.shape(id)), world.edit_count(id), times_.size()});
+    }
 
     void begin(const World& world) {
-        for (const BodyId body : world.bodies()) parts_.push_back({world.name(body), body_surface(world.shape(body)), {}, {}, world.edit_count(body)});
+        now_.resize(world.bodies().size());
+        for (std::size_t b = 0; b < now_.size(); ++b) begin_part(world, b);
         const Vec3 gravity = world.def().gravity_m_s2;
         const Vec3 up = gravity.norm() > 0 ? Vec3(-gravity.normalized()) : Vec3(0, 1, 0);
         const Eigen::Quaterniond q = Eigen::Quaterniond::FromTwoVectors(up, Vec3(0, 1, 0));
@@ -209,8 +244,8 @@ private:
     }
 
     /// Row by row of time: 1 for the frame's own target.
-    std::vector<float> weight_table() const {
-        const std::size_t frames = times_.size(), targets = frames - 1;
+    static std::vector<float> weight_table(std::size_t frames) {
+        const std::size_t targets = frames - 1;
         std::vector<float> table(frames * targets, 0.0f);
         for (std::size_t f = 1; f < frames; ++f) table[f * targets + f - 1] = 1;
         return table;
@@ -240,7 +275,8 @@ private:
 
     fs::path file_;
     std::vector<float> times_;
-    std::vector<Part> parts_;
+    std::vector<Part> parts_;         ///< a mesh each, of all bodies, in the order they came
+    std::vector<std::size_t> now_;    ///< [body] its part of the moment
     std::array<double, 4> rotation_{0, 0, 0, 1};
 };
 
