@@ -37,7 +37,7 @@ supple::mesh::TriangleMesh surface_of(double (*shape)(const Vec3&), const Recipe
 
 Vec3 centre_of(const supple::VolumeMesh& mesh, std::size_t e) {
     Vec3 centre = Vec3::Zero();
-    const auto corners = supple::element_vertices(mesh, std::int32_t(e));
+    const auto corners = supple::element_vertices(mesh, e);
     for (const std::int32_t v : corners) centre += mesh.vertices[std::size_t(v)];
     return centre / double(corners.size());
 }

@@ -67,7 +67,7 @@ TEST(MeshEmbedding, InsideMeansWeightsOfTheElementThatHoldsThePoint) {
         for (std::size_t e = 0; e < mesh.element_count(); ++e) {
             Vec3 x = Vec3::Zero();
             double sum = 0;
-            for (const std::int32_t v : element_vertices(mesh, std::int32_t(e))) {
+            for (const std::int32_t v : element_vertices(mesh, e)) {
                 const double w = 0.2 + std::abs(random());
                 x += w * mesh.vertices[std::size_t(v)];
                 sum += w;

@@ -15,6 +15,7 @@
 #include "supple/io/mesh_file.h"
 #include "supple/mesh/box_mesh.h"
 #include "supple/render/image.h"
+#include "support/skip.h"
 #include "view/material_edit.h"
 #include "view/orbit_camera.h"
 
@@ -76,7 +77,7 @@ protected:
 
     void SetUp() override {
 #ifndef SUPPLE_VIEW
-        GTEST_SKIP() << "skipped: this build has no window (libglfw3-dev, libimgui-dev); nothing of `supple view` was tested";
+        SUPPLE_SKIP("this build has no window (libglfw3-dev, libimgui-dev); nothing of `supple view` was tested");
 #endif
         folder_ = fs::path(testing::TempDir()) / ("supple_view_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()) + "_" + std::to_string(getpid()));
         fs::create_directories(folder_);
@@ -121,7 +122,7 @@ protected:
 std::unique_ptr<VirtualScreen> View::screen_;
 
 #define NEEDS_SCREEN() \
-    if (no_screen()) GTEST_SKIP() << "skipped: no Xvfb (apt-get install xvfb); the window was not tested"
+    if (no_screen()) SUPPLE_SKIP("no Xvfb (apt-get install xvfb); the window was not tested")
 
 /// Part of a picture, in parts of its size.
 supple::Image crop(const supple::Image& image, double x0, double y0, double x1, double y1) {

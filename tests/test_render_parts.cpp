@@ -19,6 +19,7 @@
 #include "supple/render/normals.h"
 #include "supple/render/occlusion.h"
 #include "supple/render/video.h"
+#include "support/skip.h"
 
 namespace supple {
 namespace {
@@ -319,10 +320,7 @@ TEST_F(RenderFiles, FilesThatCannotBeAreErrors) {
 bool have_ffmpeg() { return std::system("ffmpeg -version >/dev/null 2>&1") == 0; }
 
 TEST_F(RenderFiles, VideoIsWritten) {
-    if (!have_ffmpeg()) {
-        std::cout << "skipped: ffmpeg is not installed (apt-get install ffmpeg)\n";
-        GTEST_SKIP() << "ffmpeg is not installed";
-    }
+    if (!have_ffmpeg()) SUPPLE_SKIP("ffmpeg is not installed (apt-get install ffmpeg)");
     VideoDef def{.path = path("a.mp4"), .width = 64, .height = 48, .frames_per_s = 25};
     VideoWriter video(def);
     for (int i = 0; i < 10; ++i) video.write(gradient(64, 48, 5 * i));
@@ -367,10 +365,7 @@ TEST_F(RenderFiles, AProgramThatDiesIsAnErrorAndNoSignal) {
 }
 
 TEST_F(RenderFiles, AFailureIsToldInTheWordsOfTheProgram) {
-    if (!have_ffmpeg()) {
-        std::cout << "skipped: ffmpeg is not installed (apt-get install ffmpeg)\n";
-        GTEST_SKIP() << "ffmpeg is not installed";
-    }
+    if (!have_ffmpeg()) SUPPLE_SKIP("ffmpeg is not installed (apt-get install ffmpeg)");
     try {
         VideoWriter video({.path = path("no/such/folder/a.mp4"), .width = 64, .height = 48});
         for (int i = 0; i < 200; ++i) video.write(gradient(64, 48));

@@ -14,6 +14,7 @@
 #include "supple/render/color_map.h"
 #include "supple/render/context.h"
 #include "supple/render/renderer.h"
+#include "support/skip.h"
 
 namespace supple {
 namespace {
@@ -51,7 +52,7 @@ HeadlessContext* context() {
 
 #define NEEDS_CONTEXT()                                                        \
     do {                                                                       \
-        if (!context()) GTEST_SKIP() << "no OpenGL context without a display"; \
+        if (!context()) SUPPLE_SKIP("no OpenGL context without a display");    \
         context()->make_current();                                             \
     } while (false)
 

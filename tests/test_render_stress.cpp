@@ -9,6 +9,7 @@
 #include "supple/render/camera.h"
 #include "supple/render/context.h"
 #include "supple/render/renderer.h"
+#include "support/skip.h"
 
 namespace supple {
 namespace {
@@ -33,7 +34,7 @@ HeadlessContext* context() {
 
 #define NEEDS_CONTEXT()                                                        \
     do {                                                                       \
-        if (!context()) GTEST_SKIP() << "no OpenGL context without a display"; \
+        if (!context()) SUPPLE_SKIP("no OpenGL context without a display");    \
         context()->make_current();                                             \
     } while (false)
 

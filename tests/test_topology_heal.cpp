@@ -1,5 +1,4 @@
 // Lips that are glued, matter that is added: closed surfaces, mass and momenta, what is on the body follows.
-#include "../tests/mesh_helpers.h"
 #include "supple/mesh/embedding.h"
 #include "supple/mesh/mesh_grow.h"
 #include "supple/world/edit_events.h"
@@ -10,11 +9,8 @@
 namespace supple {
 namespace {
 
+using test::blade_at_x;
 using test::copy;
-
-mesh::TriangleMesh blade_at_x(double x, double low_y = -10, double high_y = 10) {
-    return swept_blade(std::vector<Vec3>{{x, low_y, -10}, {x, low_y, 10}}, std::vector<Vec3>{{x, high_y, -10}, {x, high_y, 10}});
-}
 
 struct Momenta {
     double mass = 0;
@@ -204,7 +200,7 @@ std::vector<std::int32_t> in_box(const VolumeMesh& m, const Vec3& low, const Vec
     std::vector<std::int32_t> out;
     for (std::size_t e = 0; e < m.element_count(); ++e) {
         Vec3 c = Vec3::Zero();
-        const auto ids = element_vertices(m, std::int32_t(e));
+        const auto ids = element_vertices(m, e);
         for (const std::int32_t v : ids) c += m.vertices[std::size_t(v)] / double(ids.size());
         if ((c.array() > low.array()).all() && (c.array() < high.array()).all()) out.push_back(std::int32_t(e));
     }

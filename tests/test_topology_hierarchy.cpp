@@ -2,13 +2,12 @@
 #include <gtest/gtest.h>
 
 #include "support/bodies.h"
+#include "support/edits.h"
 
 namespace supple {
 namespace {
 
-mesh::TriangleMesh blade_at_x(double x, double low_y) {
-    return swept_blade(std::vector<Vec3>{{x, low_y, -10}, {x, low_y, 10}}, std::vector<Vec3>{{x, 10, -10}, {x, 10, 10}});
-}
+using test::blade_at_x;
 
 TEST(TopologyHierarchy, ALargeBodyTakesItsHierarchyThroughEditsAndGetsANewOne) {
     World world({.time_step_s = 0.01, .threads = 1});

@@ -64,7 +64,7 @@ MeshEdit random_edit(const VolumeMesh& m, test::Random& random) {
     const double radius = size.norm() * random.uniform(0.05, 0.2);
     for (std::size_t e = 0; e < m.element_count(); ++e) {
         Vec3 c = Vec3::Zero();
-        const auto ids = element_vertices(m, std::int32_t(e));
+        const auto ids = element_vertices(m, e);
         for (const std::int32_t v : ids) c += m.vertices[std::size_t(v)] / double(ids.size());
         if ((c - centre).norm() < radius) chosen.push_back(std::int32_t(e));
     }
@@ -97,7 +97,7 @@ void expect_kept(const VolumeMesh& before, const MeshEdit& edit) {
     for (std::size_t e = 0; e < before.element_count(); ++e) {
         const std::int32_t now = edit.delta.element_to_new[e];
         ASSERT_GE(now, 0);
-        const auto was = element_vertices(before, std::int32_t(e)), is = element_vertices(edit.mesh, now);
+        const auto was = element_vertices(before, e), is = element_vertices(edit.mesh, now);
         for (std::size_t a = 0; a < was.size(); ++a) ASSERT_EQ(is[a], edit.delta.vertex_to_new[std::size_t(was[a])]);
     }
     expect_manifold(edit.mesh);

@@ -94,7 +94,7 @@ MeshEdit random_edit(const VolumeMesh& m, test::Random& random) {
     }
     std::vector<std::int32_t> chosen;
     for (std::size_t e = 0; e < m.element_count(); ++e)
-        if ((m.vertices[std::size_t(element_vertices(m, std::int32_t(e))[0])] - centre).norm() < random.uniform(0.3, 1.2)) chosen.push_back(std::int32_t(e));
+        if ((m.vertices[std::size_t(element_vertices(m, e)[0])] - centre).norm() < random.uniform(0.3, 1.2)) chosen.push_back(std::int32_t(e));
     if (kind < 0.8) {
         std::vector<ElementFace> faces;
         for (const std::int32_t e : chosen) faces.push_back({e, int(random.uniform(0, e < std::int32_t(m.tets.size()) ? 4 : 6))});

@@ -9,11 +9,8 @@
 namespace supple {
 namespace {
 
+using test::blade_at_x;
 using test::copy;
-
-mesh::TriangleMesh blade_at_x(double x, double low_y = -10, double high_y = 10) {
-    return swept_blade(std::vector<Vec3>{{x, low_y, -10}, {x, low_y, 10}}, std::vector<Vec3>{{x, high_y, -10}, {x, high_y, 10}});
-}
 
 /// Momenta from the elements, each with a share of its mass at every corner; hexes of one shape.
 struct Momenta {
@@ -257,7 +254,7 @@ struct Rig {
         std::vector<std::int32_t> near;
         const VolumeMesh& m = world.shape(body).mesh();
         for (std::size_t e = 0; e < m.element_count(); ++e)
-            if ((m.vertices[std::size_t(element_vertices(m, std::int32_t(e))[0])] - Vec3(0.12, 0.08, 0.05)).norm() < 0.03) near.push_back(std::int32_t(e));
+            if ((m.vertices[std::size_t(element_vertices(m, e)[0])] - Vec3(0.12, 0.08, 0.05)).norm() < 0.03) near.push_back(std::int32_t(e));
         ASSERT_FALSE(near.empty());
         world.remove_elements(body, near);
     }

@@ -186,7 +186,7 @@ void expect_same(const Answer& ours, const Answer& theirs, const char* who) {
 void compare(const Problem& p, const Material& material, bool nonlinear, int iterations) {
     if (std::system("command -v ccx > /dev/null 2>&1") != 0) {
         std::printf("skipped: no ccx on the PATH (apt-get install calculix-ccx); nothing was compared with CalculiX\n");
-        GTEST_SKIP();
+        GTEST_SKIP() << "no ccx on the PATH (apt-get install calculix-ccx)";
     }
     const fs::path folder = fs::temp_directory_path() / ("supple_ccx_" + std::to_string(getpid()) + (nonlinear ? "_n" : "_l"));
     fs::create_directories(folder);

@@ -1,12 +1,13 @@
 #pragma once
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <numeric>
 #include <vector>
 
 namespace supple {
 
-/// Sets of 0 .. n-1 that grow together; each is named by its smallest member.
+/// Sets of 0 .. n-1 that grow together, n at most 2^32; each is named by its smallest member, whatever the order of the joins.
 class DisjointSets {
 public:
     explicit DisjointSets(std::size_t n = 0) { reset(n); }
@@ -14,7 +15,7 @@ public:
     /// n sets of one each. Allocates only to grow.
     void reset(std::size_t n) {
         parent_.resize(n);
-        std::iota(parent_.begin(), parent_.end(), std::size_t{0});
+        std::iota(parent_.begin(), parent_.end(), std::uint32_t{0});
     }
     /// The smallest member of the set that i is in; on the way, paths become shorter.
     std::size_t root(std::size_t i) {
@@ -24,11 +25,11 @@ public:
     void join(std::size_t a, std::size_t b) {
         a = root(a);
         b = root(b);
-        parent_[std::max(a, b)] = std::min(a, b);
+        parent_[std::max(a, b)] = std::uint32_t(std::min(a, b));
     }
 
 private:
-    std::vector<std::size_t> parent_;
+    std::vector<std::uint32_t> parent_;
 };
 
 }  // namespace supple

@@ -4,11 +4,6 @@
 
 namespace supple::fem {
 
-std::span<const std::int32_t> element_vertices(const VolumeMesh& mesh, std::size_t element) {
-    if (element < mesh.tets.size()) return mesh.tets[element];
-    return mesh.hexes[element - mesh.tets.size()];
-}
-
 ElementMap make_element_map(const VolumeMesh& mesh) {
     ElementMap map;
     map.start.assign(mesh.vertices.size() + 1, 0);

@@ -8,9 +8,6 @@
 
 namespace supple::fem {
 
-/// Vertices of an element, tets numbered before hexes: four or eight.
-std::span<const std::int32_t> element_vertices(const VolumeMesh& mesh, std::size_t element);
-
 /// Which elements meet at each vertex: the transpose of the element list.
 struct ElementMap {
     std::vector<std::int64_t> start;     ///< [vertex + 1]

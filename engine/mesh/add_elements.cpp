@@ -109,9 +109,9 @@ MeshEdit add_elements(const VolumeMesh& mesh, const AddedElements& added) {
         if (!mesh.element_region.empty()) insert_at(m.element_region, at, region);
         if (!mesh.fill.empty()) insert_at(m.fill, at, fill);
     }
-    for (std::size_t i = 0; i < count; ++i) {
+    const bool all_good = keeps_new_elements(m, is_new);
+    for (std::size_t i = 0; !all_good && i < count; ++i) {  // which one is not
         std::vector<std::int32_t> one(m.element_count(), 0);
-        if (keeps_new_elements(m, is_new)) break;
         one[number(i)] = -1;
         if (!keeps_new_elements(m, one)) refuse(called(i) + " repeats a vertex or is too flat");
     }
@@ -124,7 +124,8 @@ MeshEdit add_elements(const VolumeMesh& mesh, const AddedElements& added) {
     const mesh::Draft draft_of_faces(m);
     for (std::size_t e = 0; e < m.element_count(); ++e) {
         std::vector<std::int32_t> ids;
-        if (e < m.tets.size()) ids.assign(m.tets[e].begin(), m.tets[e].end()); else ids.assign(m.hexes[e - m.tets.size()].begin(), m.hexes[e - m.tets.size()].end());
+        const std::span<const std::int32_t> vertices_of = element_vertices(m, e);
+        ids.assign(vertices_of.begin(), vertices_of.end());
         if (std::none_of(ids.begin(), ids.end(), [&](std::int32_t v) { return affected.contains(v); })) continue;
         std::sort(ids.begin(), ids.end());
         if (const auto [other, fresh] = known.emplace(ids, e); !fresh) refuse("element " + std::to_string(e) + " has the vertices of element " + std::to_string(other->second));

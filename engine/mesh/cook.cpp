@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "supple/base/disjoint_sets.h"
 #include "supple/base/error.h"
 #include "supple/mesh/boundary_fit.h"
 #include "supple/mesh/embedding.h"
@@ -36,11 +37,11 @@ template <class Element>
 Parts parts_of(const VolumeMesh& mesh, const std::vector<Element>& elements) {
     DisjointSets sets(mesh.vertices.size());
     for (const Element& e : elements)
-        for (const std::int32_t v : e) sets.unite(e[0], v);
+        for (const std::int32_t v : e) sets.join(std::size_t(e[0]), std::size_t(v));
     std::vector<std::int32_t> label(mesh.vertices.size(), -1);
     Parts parts;
     for (const Element& e : elements) {
-        std::int32_t& l = label[std::size_t(sets.find(e[0]))];
+        std::int32_t& l = label[sets.root(std::size_t(e[0]))];
         if (l < 0) {
             l = std::int32_t(parts.volume_m3.size());
             parts.volume_m3.push_back(0);

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 
+#include "supple/base/disjoint_sets.h"
 #include "supple/mesh/surface.h"
 #include "supple/mesh/topology.h"
 
@@ -104,19 +105,19 @@ std::int32_t Draft::corner_name(std::int32_t element, std::int32_t vertex) const
 void Draft::label(const std::set<FaceKey>& torn, std::int32_t v) {
     const auto around = star(v);
     DisjointSets joined(around.size());
-    std::map<FaceKey, std::int32_t> first;
+    std::map<FaceKey, std::size_t> first;
     for (std::size_t i = 0; i < around.size(); ++i) {
         for (int f = 0; f < faces(around[i]); ++f) {
             const FaceKey key = face(around[i], f);
             if (!holds(key, v) || torn.contains(key)) continue;
-            const auto [other, is_new] = first.emplace(key, std::int32_t(i));
-            if (!is_new) joined.unite(other->second, std::int32_t(i));
+            const auto [other, is_new] = first.emplace(key, i);
+            if (!is_new) joined.join(other->second, i);
         }
     }
     std::vector<std::vector<std::int32_t>> sets;
-    std::map<std::int32_t, std::size_t> number;
+    std::map<std::size_t, std::size_t> number;
     for (std::size_t i = 0; i < around.size(); ++i) {  // stars ascend, so do the sets
-        const auto [at, is_new] = number.emplace(joined.find(std::int32_t(i)), sets.size());
+        const auto [at, is_new] = number.emplace(joined.root(i), sets.size());
         if (is_new) sets.emplace_back();
         sets[at->second].push_back(around[i]);
     }
@@ -130,20 +131,20 @@ std::vector<std::int32_t> Draft::smallest_fan(std::span<const std::int32_t> part
         if (std::find(ids.begin(), ids.end(), other) != ids.end()) ring.push_back(e);
     }
     DisjointSets joined(ring.size());
-    std::map<FaceKey, std::int32_t> first;
+    std::map<FaceKey, std::size_t> first;
     for (std::size_t i = 0; i < ring.size(); ++i)
         for (int f = 0; f < faces(ring[i]); ++f) {
             const FaceKey key = face(ring[i], f);
             if (!holds(key, v) || !holds(key, other)) continue;
-            const auto [at, is_new] = first.emplace(key, std::int32_t(i));
-            if (!is_new) joined.unite(at->second, std::int32_t(i));
+            const auto [at, is_new] = first.emplace(key, i);
+            if (!is_new) joined.join(at->second, i);
         }
-    std::map<std::int32_t, double> size;
-    for (std::size_t i = 0; i < ring.size(); ++i) size[joined.find(std::int32_t(i))] += volume(ring[i]);
+    std::map<std::size_t, double> size;
+    for (std::size_t i = 0; i < ring.size(); ++i) size[joined.root(i)] += volume(ring[i]);
     const auto smallest = std::min_element(size.begin(), size.end(), [](const auto& a, const auto& b) { return a.second < b.second; })->first;
     std::vector<std::int32_t> fan;
     for (std::size_t i = 0; i < ring.size(); ++i)
-        if (joined.find(std::int32_t(i)) == smallest) fan.push_back(ring[i]);
+        if (joined.root(i) == smallest) fan.push_back(ring[i]);
     return fan;
 }
 
@@ -216,18 +217,18 @@ void Draft::look_for_fault(std::int32_t v, std::vector<Fault>& faults) const {
         bool edges_are_good = true;
         DisjointSets fans(element.size());
         for (const auto& [u, around] : spokes) {
-            for (const std::int32_t f : around) fans.unite(around[0], f);
+            for (const std::int32_t f : around) fans.join(std::size_t(around[0]), std::size_t(f));
             if (around.size() == 2) continue;
             edges_are_good = false;
             faults.push_back({v, u[0], smallest_fan(part, v, u[0])});
         }
         if (!edges_are_good || element.empty()) continue;
-        std::map<std::int32_t, int> number;
-        for (std::size_t i = 0; i < element.size(); ++i) number.emplace(fans.find(std::int32_t(i)), int(number.size()));
+        std::map<std::size_t, int> number;
+        for (std::size_t i = 0; i < element.size(); ++i) number.emplace(fans.root(i), int(number.size()));
         if (number.size() == 1) continue;
         std::map<std::int32_t, int> fan_of_element;
         for (std::size_t i = 0; i < element.size(); ++i) {
-            const int fan = number[fans.find(std::int32_t(i))];
+            const int fan = number[fans.root(i)];
             const auto [known, is_new] = fan_of_element.emplace(element[i], fan);
             if (!is_new && known->second != fan) known->second = -2;
         }

@@ -11,11 +11,6 @@ namespace supple {
 
 namespace {
 
-std::span<const std::int32_t> corners_of(const VolumeMesh& mesh, std::size_t element) {
-    if (element < mesh.tets.size()) return mesh.tets[element];
-    return mesh.hexes[element - mesh.tets.size()];
-}
-
 bool ascending(const std::vector<std::int32_t>& to_new) {
     std::int32_t last = -1;
     for (const std::int32_t i : to_new) {
@@ -28,7 +23,7 @@ bool ascending(const std::vector<std::int32_t>& to_new) {
 
 /// Which half-face of the element has these three corners.
 HalfFace find_half_face(const VolumeMesh& mesh, std::size_t element, const Triangle& t) {
-    const std::span<const std::int32_t> ids = corners_of(mesh, element);
+    const std::span<const std::int32_t> ids = element_vertices(mesh, element);
     const auto has = [&](std::int32_t v) { return v == t[0] || v == t[1] || v == t[2]; };
     if (ids.size() == 4) {
         std::size_t opposite = 0;
@@ -67,11 +62,11 @@ EditTrace trace_edit(const VolumeMesh& before, const VolumeMesh& after, const To
         if (v >= 0) trace.old_vertex[std::size_t(v)] = -1;
     };
     for (std::size_t e = 0; e < before.element_count(); ++e) {
-        const std::span<const std::int32_t> was = corners_of(before, e);
+        const std::span<const std::int32_t> was = element_vertices(before, e);
         const std::int32_t now = delta.element_to_new[e];
         bool same = now >= 0 && (std::size_t(now) < after.tets.size()) == (e < before.tets.size());
         if (same) {
-            const std::span<const std::int32_t> is = corners_of(after, std::size_t(now));
+            const std::span<const std::int32_t> is = element_vertices(after, std::size_t(now));
             for (std::size_t a = 0; a < was.size(); ++a) same = same && is[a] == trace.new_vertex[std::size_t(was[a])] && !moved[std::size_t(is[a])];
         }
         if (!same) {
@@ -83,7 +78,7 @@ EditTrace trace_edit(const VolumeMesh& before, const VolumeMesh& after, const To
     }
     for (std::size_t e = 0; e < after.element_count(); ++e)
         if (trace.old_element[e] < 0)
-            for (const std::int32_t v : corners_of(after, e)) touch(v);
+            for (const std::int32_t v : element_vertices(after, e)) touch(v);
     return trace;
 }
 
@@ -101,7 +96,7 @@ BoundarySurface follow_boundary(const BoundarySurface& was, const VolumeMesh& af
     }
     std::vector<std::pair<mesh::FaceKey, HalfFace>> sides;
     for (std::size_t e = 0; e < after.element_count(); ++e) {
-        const std::span<const std::int32_t> ids = corners_of(after, e);
+        const std::span<const std::int32_t> ids = element_vertices(after, e);
         if (std::count_if(ids.begin(), ids.end(), touched) < 3) continue;
         const bool is_tet = e < after.tets.size();
         const HalfFace first = HalfFace(is_tet ? 4 * e : 4 * after.tets.size() + 6 * (e - after.tets.size()));

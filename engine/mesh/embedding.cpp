@@ -84,12 +84,6 @@ void hex_weights(const VolumeMesh& mesh, const Hex& h, const Vec3& x, std::span<
 
 }  // namespace
 
-std::span<const std::int32_t> element_vertices(const VolumeMesh& mesh, std::int32_t element) {
-    const std::size_t e = std::size_t(element);
-    if (e < mesh.tets.size()) return mesh.tets[e];
-    return mesh.hexes[e - mesh.tets.size()];
-}
-
 void shape_weights(const VolumeMesh& mesh, std::int32_t element, const Vec3& x, std::span<double> weights, Vec3* gradient) {
     const std::size_t e = std::size_t(element);
     if (e < mesh.tets.size())
@@ -100,7 +94,7 @@ void shape_weights(const VolumeMesh& mesh, std::int32_t element, const Vec3& x, 
 
 ElementLocator::ElementLocator(const VolumeMesh& mesh) : mesh_(mesh), boxes_(mesh.element_count()) {
     for (std::size_t e = 0; e < boxes_.size(); ++e) {
-        for (const std::int32_t v : element_vertices(mesh, std::int32_t(e))) boxes_[e].include(mesh.vertices[std::size_t(v)]);
+        for (const std::int32_t v : element_vertices(mesh, e)) boxes_[e].include(mesh.vertices[std::size_t(v)]);
         const Vec3 slack = Vec3::Constant(1e-9 * boxes_[e].size().maxCoeff());  // a point on a face may lie a rounding outside of both boxes
         boxes_[e].min_m -= slack;
         boxes_[e].max_m += slack;

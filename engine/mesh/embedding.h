@@ -82,7 +82,4 @@ private:
     std::optional<TriangleTree> boundary_tree_;
 };
 
-/// Vertex ids of an element, in the order of shape_weights().
-std::span<const std::int32_t> element_vertices(const VolumeMesh& mesh, std::int32_t element);
-
 }  // namespace supple

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "supple/base/disjoint_sets.h"
 #include "supple/base/error.h"
 #include "supple/mesh/edit_draft.h"
 #include "supple/mesh/mesh_grow.h"
@@ -81,12 +82,12 @@ MeshEdit merge(const VolumeMesh& mesh, const mesh::Draft& draft, const std::set<
                 const auto corner = std::size_t(std::find(named.begin(), named.end(), v) - named.begin());
                 const std::int32_t was = std::size_t(e) < mesh.tets.size() ? mesh.tets[std::size_t(e)][corner] : mesh.hexes[std::size_t(e) - mesh.tets.size()][corner];
                 if (first < 0) first = was;
-                one.unite(first, was);
+                one.join(std::size_t(first), std::size_t(was));
             }
         }
     MeshEdit out;
     std::vector<std::vector<std::int32_t>> members(n);
-    for (std::size_t v = 0; v < n; ++v) members[std::size_t(one.find(std::int32_t(v)))].push_back(std::int32_t(v));
+    for (std::size_t v = 0; v < n; ++v) members[one.root(v)].push_back(std::int32_t(v));
     out.delta = identity_delta(mesh);
     out.delta.vertex_parents.clear();
     out.mesh = mesh;

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <string>
 
+#include "supple/base/disjoint_sets.h"
 #include "supple/base/error.h"
 #include "supple/mesh/topology.h"
 
@@ -120,7 +121,7 @@ private:
                     auto p = kCorner[std::size_t(k)];
                     if (p[std::size_t(axis)] == 0) continue;
                     p[std::size_t(axis)] = 0;
-                    sets.unite(std::int32_t(8 * i) + k, 8 * next + corner_at(p));
+                    sets.join(8 * i + std::size_t(k), std::size_t(8 * next + corner_at(p)));
                 }
             }
         VolumeMesh out;
@@ -128,7 +129,7 @@ private:
         for (std::size_t i = 0; i < kept_.size(); ++i) {
             Hex hex{};
             for (std::int32_t k = 0; k < 8; ++k) {
-                std::int32_t& v = vertex[std::size_t(sets.find(std::int32_t(8 * i) + k))];
+                std::int32_t& v = vertex[sets.root(8 * i + std::size_t(k))];
                 if (v < 0) {
                     v = std::int32_t(out.vertices.size());
                     const auto& p = kCorner[std::size_t(k)];

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "supple/base/disjoint_sets.h"
 #include "supple/mesh/surface.h"
 #include "supple/mesh/topology.h"
 
@@ -42,12 +43,12 @@ int label_sets(std::size_t items, std::vector<Joint>& joints, std::vector<int>& 
     std::sort(joints.begin(), joints.end());
     DisjointSets sets(items);
     for (std::size_t i = 1; i < joints.size(); ++i)
-        if (joints[i].others == joints[i - 1].others) sets.unite(joints[i].item, joints[i - 1].item);
+        if (joints[i].others == joints[i - 1].others) sets.join(std::size_t(joints[i].item), std::size_t(joints[i - 1].item));
     label.assign(items, -1);
     int count = 0;
     for (std::size_t i = 0; i < items; ++i) {
-        const std::int32_t root = sets.find(static_cast<std::int32_t>(i));  // the smallest member
-        label[i] = root == static_cast<std::int32_t>(i) ? count++ : label[root];
+        const std::size_t root = sets.root(i);  // the smallest member
+        label[i] = root == i ? count++ : label[root];
     }
     return count;
 }

@@ -29,14 +29,14 @@ public:
         near_cut_.resize(mesh_.element_count(), 0);
         around_.resize(mesh_.vertices.size());
         for (std::size_t e = 0; e < mesh_.element_count(); ++e)
-            for (const std::int32_t v : element_vertices(mesh_, std::int32_t(e))) {
+            for (const std::int32_t v : element_vertices(mesh_, e)) {
                 near_cut_[e] = char(near_cut_[e] | torn[std::size_t(v)]);
                 around_[std::size_t(v)].push_back(std::int32_t(e));
             }
         for (int ring = 0; ring < kHops; ++ring) {  // a triangle may reach across from elements that the cut did not touch
             for (std::size_t e = 0; e < near_cut_.size(); ++e)
                 if (near_cut_[e])
-                    for (const std::int32_t v : element_vertices(mesh_, std::int32_t(e))) torn[std::size_t(v)] = 1;
+                    for (const std::int32_t v : element_vertices(mesh_, e)) torn[std::size_t(v)] = 1;
             for (std::size_t v = 0; v < torn.size(); ++v)
                 if (torn[v])
                     for (const std::int32_t e : around_[v]) near_cut_[std::size_t(e)] = 1;

@@ -5,6 +5,7 @@
 #include <array>
 #include <tuple>
 
+#include "supple/base/disjoint_sets.h"
 #include "supple/base/error.h"
 #include "supple/mesh/topology.h"
 
@@ -68,23 +69,23 @@ void count_edges(const TriangleMesh& mesh, SurfaceReport& report) {
     DisjointSets corners(3 * mesh.triangles.size());  // a triangle's corners, joined across edges: the fans of each vertex
     const auto corner = [&](std::int32_t triangle, std::int32_t v) {
         const Triangle& t = mesh.triangles[triangle];
-        return std::int32_t(3 * triangle + (t[0] == v ? 0 : t[1] == v ? 1 : 2));
+        return std::size_t(3 * triangle + (t[0] == v ? 0 : t[1] == v ? 1 : 2));
     };
     for (std::size_t i = 0, next = 0; i < edges.size(); i = next) {
         while (next < edges.size() && edges[next].low == edges[i].low && edges[next].high == edges[i].high) ++next;
         for (std::size_t k = i + 1; k < next; ++k) {
-            parts.unite(edges[i].triangle, edges[k].triangle);
+            parts.join(std::size_t(edges[i].triangle), std::size_t(edges[k].triangle));
             for (const std::int32_t v : {edges[i].low, edges[i].high})
-                corners.unite(corner(edges[i].triangle, v), corner(edges[k].triangle, v));
+                corners.join(corner(edges[i].triangle, v), corner(edges[k].triangle, v));
         }
         if (next - i == 1) ++report.open_edges;
         if (next - i > 2) ++report.crowded_edges;
         if (next - i == 2 && edges[i].forward == edges[i + 1].forward) ++report.turned_edges;
     }
-    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) report.components += parts.find(std::int32_t(t)) == std::int32_t(t);
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) report.components += parts.root(t) == t;
     std::vector<std::int32_t> fans(mesh.vertices.size(), 0);
     for (std::size_t c = 0; c < 3 * mesh.triangles.size(); ++c)
-        if (corners.find(std::int32_t(c)) == std::int32_t(c)) ++fans[mesh.triangles[c / 3][c % 3]];
+        if (corners.root(c) == c) ++fans[mesh.triangles[c / 3][c % 3]];
     report.pinched_vertices = std::size_t(std::count_if(fans.begin(), fans.end(), [](std::int32_t n) { return n > 1; }));
 }
 

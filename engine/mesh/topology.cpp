@@ -80,20 +80,4 @@ void for_each_face(const VolumeMesh& mesh, FunctionRef<void(std::span<const Half
     }
 }
 
-DisjointSets::DisjointSets(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0); }
-
-std::int32_t DisjointSets::find(std::int32_t i) {
-    while (parent_[i] != i) {
-        parent_[i] = parent_[parent_[i]];
-        i = parent_[i];
-    }
-    return i;
-}
-
-void DisjointSets::unite(std::int32_t a, std::int32_t b) {
-    a = find(a);
-    b = find(b);
-    if (a != b) parent_[std::max(a, b)] = std::min(a, b);
-}
-
 }  // namespace supple

@@ -40,15 +40,4 @@ Face half_face(const VolumeMesh& mesh, HalfFace h);
 /// @pre vertex indices in range
 void for_each_face(const VolumeMesh& mesh, FunctionRef<void(std::span<const HalfFace>)> visit);
 
-/// Disjoint sets of 0..n-1, merged by unite(); the representative is the smallest member, so labels do not depend on the order.
-class DisjointSets {
-public:
-    explicit DisjointSets(std::size_t n);
-    std::int32_t find(std::int32_t i);
-    void unite(std::int32_t a, std::int32_t b);
-
-private:
-    std::vector<std::int32_t> parent_;
-};
-
 }  // namespace supple

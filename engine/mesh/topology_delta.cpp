@@ -2,6 +2,7 @@
 #include <cmath>
 #include <map>
 
+#include "supple/base/disjoint_sets.h"
 #include "supple/mesh/mesh_edit.h"
 #include "supple/mesh/surface.h"
 #include "supple/mesh/topology.h"
@@ -145,13 +146,13 @@ std::vector<std::int32_t> boundary_parents(const VolumeMesh& before, const MeshE
 Pieces find_pieces(const VolumeMesh& mesh) {
     DisjointSets joined(mesh.vertices.size());
     for (const Tet& t : mesh.tets)
-        for (const std::int32_t v : t) joined.unite(t[0], v);
+        for (const std::int32_t v : t) joined.join(std::size_t(t[0]), std::size_t(v));
     for (const Hex& h : mesh.hexes)
-        for (const std::int32_t v : h) joined.unite(h[0], v);
+        for (const std::int32_t v : h) joined.join(std::size_t(h[0]), std::size_t(v));
     Pieces out;
     std::vector<std::int32_t> number(mesh.vertices.size(), -1);
     const auto add = [&](std::int32_t vertex, double volume) {
-        std::int32_t& piece = number[std::size_t(joined.find(vertex))];
+        std::int32_t& piece = number[joined.root(std::size_t(vertex))];
         if (piece < 0) {
             piece = std::int32_t(out.volume_m3.size());
             out.volume_m3.push_back(0);

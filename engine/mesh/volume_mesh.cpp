@@ -10,6 +10,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "supple/base/disjoint_sets.h"
 #include "supple/base/error.h"
 #include "supple/mesh/topology.h"
 
@@ -188,13 +189,17 @@ void survey_elements(const VolumeMesh& mesh, MeshReport& report) {
     DisjointSets parts(mesh.element_count());
     for_each_face(mesh, [&](std::span<const HalfFace> sides) {
         report.overloaded_faces += sides.size() > 2;
-        for (const HalfFace s : sides.subspan(1)) parts.unite(half_face(mesh, sides[0]).element, half_face(mesh, s).element);
+        for (const HalfFace s : sides.subspan(1)) parts.join(std::size_t(half_face(mesh, sides[0]).element), std::size_t(half_face(mesh, s).element));
     });
-    for (std::size_t e = 0; e < mesh.element_count(); ++e)
-        report.components += parts.find(static_cast<std::int32_t>(e)) == static_cast<std::int32_t>(e);
+    for (std::size_t e = 0; e < mesh.element_count(); ++e) report.components += parts.root(e) == e;
 }
 
 }  // namespace
+
+std::span<const std::int32_t> element_vertices(const VolumeMesh& mesh, std::size_t element) {
+    if (element < mesh.tets.size()) return mesh.tets[element];
+    return mesh.hexes[element - mesh.tets.size()];
+}
 
 double tet_volume(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) { return det3(b - a, c - a, d - a) / 6; }
 

@@ -67,6 +67,9 @@ MeshReport check_and_repair(VolumeMesh& mesh);
 /// Whether check_and_repair() would keep, as they are, the elements that an edit has made: those with old_element -1. [element]. Others are taken for granted.
 bool keeps_new_elements(const VolumeMesh& mesh, std::span<const std::int32_t> old_element);
 
+/// Vertices of an element, tets numbered before hexes: four or eight.
+std::span<const std::int32_t> element_vertices(const VolumeMesh& mesh, std::size_t element);
+
 /// Signed volume of one tetrahedron [m^3].
 double tet_volume(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
 

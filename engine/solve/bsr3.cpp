@@ -9,13 +9,6 @@ namespace supple::solve {
 
 namespace {
 
-std::size_t find_block(const Bsr3Pattern& p, std::int32_t row, std::int32_t column) {
-    const auto first = p.column.begin() + p.row_start[std::size_t(row)], last = p.column.begin() + p.row_start[std::size_t(row) + 1];
-    const auto at = std::lower_bound(first, last, column);
-    SUPPLE_ASSERT(at != last && *at == column);
-    return std::size_t(at - p.column.begin());
-}
-
 /// The elements around each vertex.
 template <class Elements>
 struct Around {
@@ -49,7 +42,7 @@ GatherMap gather_map(const Bsr3Pattern& pattern, std::span<const std::array<std:
             for (std::size_t b = 0; b < corners; ++b) {
                 const std::int32_t row = pattern.row[std::size_t(elements[e][a])], column = pattern.row[std::size_t(elements[e][b])];
                 if (column < row) continue;
-                const std::size_t block = find_block(pattern, row, column);
+                const std::size_t block = pattern.block(std::size_t(row), column);
                 block_of_pair[(e * corners + a) * corners + b] = std::int32_t(block);
                 ++map.start[block + 1];
             }
@@ -66,9 +59,15 @@ GatherMap gather_map(const Bsr3Pattern& pattern, std::span<const std::array<std:
 
 }  // namespace
 
-Bsr3Pattern make_pattern(std::size_t vertices, Fours fours, Eights eights, std::span<const std::int32_t> order) {
+std::size_t Bsr3Pattern::block(std::size_t of_row, std::int32_t of_column) const {
+    const auto first = column.begin() + row_start[of_row], last = column.begin() + row_start[of_row + 1];
+    const auto at = std::lower_bound(first, last, of_column);
+    SUPPLE_ASSERT(at != last && *at == of_column);
+    return std::size_t(at - column.begin());
+}
+
+Bsr3Pattern make_pattern(std::size_t rows, Fours fours, Eights eights, std::span<const std::int32_t> order) {
     // A row is the sorted union of those of the vertices of the elements around it.
-    const std::size_t rows = vertices;
     const Around<Fours> around_fours(rows, fours);
     const Around<Eights> around_eights(rows, eights);
     Bsr3Pattern p;
@@ -99,7 +98,7 @@ Bsr3Pattern make_pattern(std::size_t vertices, Fours fours, Eights eights, std::
     p.mirror.resize(p.blocks());
     for (std::size_t i = 0; i < rows; ++i) {
         for (std::int32_t b = p.row_start[i]; b < p.row_start[i + 1]; ++b) {
-            p.mirror[std::size_t(b)] = std::int32_t(find_block(p, p.column[std::size_t(b)], std::int32_t(i)));
+            p.mirror[std::size_t(b)] = std::int32_t(p.block(std::size_t(p.column[std::size_t(b)]), std::int32_t(i)));
         }
     }
     return p;

@@ -19,6 +19,8 @@ struct Bsr3Pattern {
     std::vector<std::int32_t> diagonal;   ///< [row] block index of (row, row)
     std::vector<std::int32_t> mirror;     ///< [block] index of the transposed block
     std::size_t blocks() const { return column.size(); }
+    /// Of two rows whose vertices share an element.
+    std::size_t block(std::size_t of_row, std::int32_t of_column) const;
 };
 
 /// Which element pairs make up each block on or above the diagonal: assembly as a gather, deterministic and without atomics.
@@ -32,7 +34,7 @@ using Fours = std::span<const std::array<std::int32_t, 4>>;
 using Eights = std::span<const std::array<std::int32_t, 8>>;
 
 /// @param order  [row] the vertices, each once, in the order that their rows are to have; empty: that of the vertices
-Bsr3Pattern make_pattern(std::size_t vertices, Fours fours, Eights eights = {}, std::span<const std::int32_t> order = {});
+Bsr3Pattern make_pattern(std::size_t rows, Fours fours, Eights eights = {}, std::span<const std::int32_t> order = {});
 /// Of elements that the pattern was made with, all or some of one kind.
 GatherMap make_gather_map(const Bsr3Pattern& pattern, Fours elements);
 GatherMap make_gather_map(const Bsr3Pattern& pattern, Eights elements);

@@ -1,7 +1,9 @@
 #include "supple/solve/lattice.h"
 
 #include <algorithm>
-#include <numeric>
+
+#include "supple/base/disjoint_sets.h"
+#include "supple/math/morton.h"
 
 namespace supple::solve {
 
@@ -9,34 +11,8 @@ namespace {
 
 constexpr float kSmallestWeight = 1e-3f;  // smaller ones widen the coarse matrix and interpolate nothing
 
-class DisjointSets {
-public:
-    explicit DisjointSets(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0); }
-    std::int32_t root(std::int32_t i) {
-        while (parent_[std::size_t(i)] != i) i = parent_[std::size_t(i)] = parent_[std::size_t(parent_[std::size_t(i)])];
-        return i;
-    }
-    /// The smaller index leads: the result does not depend on the order of the unions.
-    void unite(std::int32_t a, std::int32_t b) {
-        a = root(a);
-        b = root(b);
-        if (a != b) parent_[std::size_t(std::max(a, b))] = std::min(a, b);
-    }
-
-private:
-    std::vector<std::int32_t> parent_;
-};
-
 /// Corner c of a cell, as an offset: bit 0 is x.
 int offset(std::size_t corner, std::size_t axis) { return int(corner >> axis & 1); }
-
-std::uint64_t morton(const std::array<std::int32_t, 3>& index) {
-    std::uint64_t key = 0;
-    for (int bit = 20; bit >= 0; --bit) {
-        for (std::size_t axis = 0; axis < 3; ++axis) key = key << 1 | (std::uint64_t(index[axis]) >> bit & 1);
-    }
-    return key;
-}
 
 /// Which part of its cell each point belongs to: parts are numbered over all cells in the order of their first points.
 std::vector<std::int32_t> find_parts(std::span<const LatticePoint> points, std::span<const std::int32_t> row_start,
@@ -45,12 +21,12 @@ std::vector<std::int32_t> find_parts(std::span<const LatticePoint> points, std::
     for (std::size_t i = 0; i < points.size(); ++i) {
         for (std::int32_t k = row_start[i]; k < row_start[i + 1]; ++k) {
             const std::int32_t j = column[std::size_t(k)];
-            if (std::size_t(j) < i && points[std::size_t(j)].cell == points[i].cell) sets.unite(std::int32_t(i), j);
+            if (std::size_t(j) < i && points[std::size_t(j)].cell == points[i].cell) sets.join(i, std::size_t(j));
         }
     }
     std::vector<std::int32_t> part(points.size(), -1);
     for (std::size_t i = 0; i < points.size(); ++i) {
-        const auto root = std::size_t(sets.root(std::int32_t(i)));
+        const std::size_t root = sets.root(i);
         if (root == i) {
             part[i] = std::int32_t(cell_of_part.size());
             cell_of_part.push_back(points[i].cell);
@@ -87,7 +63,7 @@ void join_corners(DisjointSets& corners, std::span<const std::int32_t> part, std
                 shared = shared && (at == 0 || at == 1);
                 same |= std::size_t(at == 1) << axis;
             }
-            if (shared) corners.unite(std::int32_t(a * 8 + corner), std::int32_t(b * 8 + same));
+            if (shared) corners.join(a * 8 + corner, b * 8 + same);
         }
     }
 }
@@ -146,12 +122,12 @@ LatticeInterpolation make_interpolation(std::span<const LatticePoint> points, st
         const std::array<float, 8> weight = corner_weights(points[i]);
         for (std::size_t corner = 0; corner < 8; ++corner) {
             if (weight[corner] == 0) continue;
-            const std::int32_t root = corners.root(part[i] * 8 + std::int32_t(corner));
+            const auto root = std::int32_t(corners.root(std::size_t(part[i]) * 8 + corner));
             if (node_of[std::size_t(root)] >= 0) continue;
             node_of[std::size_t(root)] = 0;
             std::array<std::int32_t, 3> index = points[i].cell;
             for (std::size_t axis = 0; axis < 3; ++axis) index[axis] += offset(corner, axis);
-            used.push_back({morton(index), root, index});
+            used.push_back({morton_key(std::uint64_t(index[0]), std::uint64_t(index[1]), std::uint64_t(index[2])), root, index});
         }
     }
     std::sort(used.begin(), used.end(), [](const Used& a, const Used& b) { return a.key != b.key ? a.key < b.key : a.root < b.root; });
@@ -167,7 +143,7 @@ LatticeInterpolation make_interpolation(std::span<const LatticePoint> points, st
         if (points[i].active) {
             const std::array<float, 8> weight = corner_weights(points[i]);
             for (std::size_t corner = 0; corner < 8; ++corner) {
-                if (weight[corner] != 0) row[count++] = {node_of[std::size_t(corners.root(part[i] * 8 + std::int32_t(corner)))], weight[corner]};
+                if (weight[corner] != 0) row[count++] = {node_of[std::size_t(corners.root(std::size_t(part[i]) * 8 + corner))], weight[corner]};
             }
         }
         for (std::size_t a = 1; a < count; ++a) {

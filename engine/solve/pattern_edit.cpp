@@ -2,20 +2,7 @@
 
 #include <algorithm>
 
-#include "supple/base/assert.h"
-
 namespace supple::solve {
-
-namespace {
-
-std::int32_t find_block(const Bsr3Pattern& p, std::size_t row, std::int32_t column) {
-    const auto first = p.column.begin() + p.row_start[row], last = p.column.begin() + p.row_start[row + 1];
-    const auto at = std::lower_bound(first, last, column);
-    SUPPLE_ASSERT(at != last && *at == column);
-    return std::int32_t(at - p.column.begin());
-}
-
-}  // namespace
 
 Bsr3Pattern change_pattern(const Bsr3Pattern& before, const RowChange& change, FunctionRef<void(std::int32_t vertex, std::vector<std::int32_t>& out)> append) {
     Bsr3Pattern p;
@@ -55,7 +42,7 @@ Bsr3Pattern change_pattern(const Bsr3Pattern& before, const RowChange& change, F
                 const std::int32_t was = before.mirror[std::size_t(before.row_start[std::size_t(old)] + b - p.row_start[i])];
                 p.mirror[std::size_t(b)] = p.row_start[j] + was - before.row_start[std::size_t(old_j)];
             } else {
-                p.mirror[std::size_t(b)] = find_block(p, j, std::int32_t(i));
+                p.mirror[std::size_t(b)] = std::int32_t(p.block(j, std::int32_t(i)));
             }
         }
     }
@@ -91,7 +78,7 @@ GatherMap change_gather_map(const GatherMap& before, const Bsr3Pattern& was, con
             for (std::size_t b = 0; b < N; ++b) {
                 const std::int32_t column = is.row[std::size_t(corners[b])];
                 if (column < std::int32_t(i)) continue;
-                pairs.emplace_back(find_block(is, i, column), std::uint32_t((std::size_t(e) * N + a) * N + b));
+                pairs.emplace_back(std::int32_t(is.block(i, column)), std::uint32_t((std::size_t(e) * N + a) * N + b));
             }
         }
         std::sort(pairs.begin(), pairs.end());

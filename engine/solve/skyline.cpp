@@ -99,7 +99,6 @@ void Skyline::solve(double* x) const {
     }
 }
 
-
 std::size_t Skyline::bytes() const {
     return first_.capacity() * sizeof(std::int32_t) + row_.capacity() * sizeof(std::size_t) + (value_.capacity() + inverse_diagonal_.capacity()) * sizeof(double);
 }

@@ -69,7 +69,7 @@ void locate(const Body& body, const Vec3& p, std::array<std::int32_t, 4>& vertic
     const VolumeMesh& mesh = body.data().mesh;
     double best = -HUGE_VAL;
     for (std::size_t e = 0; e < body.element_count(); ++e) {
-        const auto corners = element_vertices(mesh, std::int32_t(e));
+        const auto corners = element_vertices(mesh, e);
         for (const Tet& t : tets_of({corners.begin(), corners.end()})) {
             const auto x = [&](std::size_t k) -> const Vec3& { return body.state.x[std::size_t(t[k])]; };
             Mat3 D;

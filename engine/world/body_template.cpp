@@ -70,19 +70,20 @@ solve::GatherMap follow_gather(const TemplateData& was, const TemplateData& is, 
     });
 }
 
-/// Rows before and after an edit; empty where those that go on have changed places.
+/// Rows before and after an edit.
 struct FollowedRows {
-    std::vector<std::int32_t> order, old_row, new_row;
-    bool ordered = true;
+    std::vector<std::int32_t> order, old_row, new_row;  ///< as in solve::RowChange
+    std::vector<std::int32_t> row;                      ///< [vertex now]
+    bool ordered = true;                                ///< those that go on have kept their order; else nothing can be taken over
 };
 
 FollowedRows follow_rows(const TemplateData& was, const VolumeMesh& mesh, const EditTrace& trace) {
     FollowedRows rows;
     rows.order = locality_order(mesh.vertices);
     rows.old_row.resize(rows.order.size());
-    std::vector<std::int32_t> row(rows.order.size());
-    for (std::size_t i = 0; i < row.size(); ++i) {
-        row[std::size_t(rows.order[i])] = std::int32_t(i);
+    rows.row.resize(rows.order.size());
+    for (std::size_t i = 0; i < rows.row.size(); ++i) {
+        rows.row[std::size_t(rows.order[i])] = std::int32_t(i);
         const std::int32_t old = trace.old_vertex[std::size_t(rows.order[i])];
         rows.old_row[i] = old < 0 ? -1 : was.pattern.row[std::size_t(old)];
     }
@@ -90,7 +91,7 @@ FollowedRows follow_rows(const TemplateData& was, const VolumeMesh& mesh, const 
     std::int32_t last = -1;
     for (std::size_t i = 0; i < rows.new_row.size(); ++i) {
         const std::int32_t now = trace.new_vertex[std::size_t(was.pattern.vertex[i])];
-        rows.new_row[i] = now < 0 ? -1 : row[std::size_t(now)];
+        rows.new_row[i] = now < 0 ? -1 : rows.row[std::size_t(now)];
         if (now < 0) continue;
         rows.ordered = rows.ordered && rows.new_row[i] > last;
         last = rows.new_row[i];
@@ -117,15 +118,15 @@ std::shared_ptr<const BodyTemplate> BodyTemplate::edited(const MeshEdit& edit) c
         is.min_m = is.min_m.cwiseMin(is.mesh.vertices[std::size_t(v)]);
         is.max_m = is.max_m.cwiseMax(is.mesh.vertices[std::size_t(v)]);
     }
-    const fem::ElementMap around = fem::make_element_map(is.mesh);
+    is.layout = fem::follow_layout(is.mesh, rows.row, was.layout, trace.old_element);
+    const fem::ElementMap& around = is.layout.around;
     const solve::RowChange change{rows.order, rows.old_row, rows.new_row};
     is.pattern = solve::change_pattern(was.pattern, change, [&](std::int32_t vertex, std::vector<std::int32_t>& out) {
         for (std::int64_t k = around.start[std::size_t(vertex)]; k < around.start[std::size_t(vertex) + 1]; ++k) {
-            const auto corners = fem::element_vertices(is.mesh, std::size_t(around.element[std::size_t(k)]));
+            const auto corners = element_vertices(is.mesh, std::size_t(around.element[std::size_t(k)]));
             out.insert(out.end(), corners.begin(), corners.end());
         }
     });
-    is.layout = fem::follow_layout(is.mesh, is.pattern.row, was.layout, trace.old_element);
     for (const fem::ElementGroup& group : is.layout.groups)
         is.gather.push_back(group.kind == fem::ElementKind::tet ? follow_gather<4>(was, is, trace, change, group, is.mesh.tets, 0)
                                                                 : follow_gather<8>(was, is, trace, change, group, is.mesh.hexes, is.mesh.tets.size()));

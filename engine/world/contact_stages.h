@@ -18,6 +18,8 @@ void find_contacts(StepContext& ctx, std::span<Member> members);
 void find_body_contacts(StepContext& ctx, Member& member, Member& other);
 /// Those of its sharp edges with the other's; once for two bodies, after what find_body_contacts() finds on both sides.
 void find_edge_contacts(StepContext& ctx, Member& member, Member& other);
+/// True if a body's contact with another body of this key (Contact::key) pressed in the last step.
+bool pressed_before(const Body& body, std::int32_t other_slot, const std::array<std::int32_t, 3>& key);
 /// Whether two bodies, or one with itself, are to touch where they meet.
 bool may_touch(const World::Impl& world, const Member& a, const Member& b);
 /// The attachments of a body, added to its contacts.
@@ -53,7 +55,7 @@ struct ContactCheck {
     bool raised = false;  ///< contacts were too deep and are stiffer now
     double error = 0;     ///< sum of the differences, as part of the sum of forces
 };
-/// What a solve may leave: |r|, and sqrt(r.A^-1 r) where that is not zero.
+/// What a solve may leave: |r|, and sqrt(r.A^-1 r); 0: nothing is known of that, and nothing may be left.
 struct Unsolved {
     double residual = 0, energy = 0;
 };

@@ -49,7 +49,7 @@ std::vector<std::int32_t> elements_near(const World& world, BodyId body, const V
     const double length2 = (b - a).squaredNorm();
     std::vector<std::int32_t> out;
     for (std::size_t e = 0; e < mesh.element_count(); ++e) {
-        const auto ids = element_vertices(mesh, std::int32_t(e));
+        const auto ids = element_vertices(mesh, e);
         Vec3 c = Vec3::Zero();
         for (const std::int32_t v : ids) c += x[std::size_t(v)] / double(ids.size());
         const double s = length2 > 0 ? std::clamp((c - a).dot(b - a) / length2, 0.0, 1.0) : 0;

@@ -141,15 +141,6 @@ std::optional<Found> crossing(const Meeting& m, const Vec3& p0, const Vec3& p1, 
     return found;
 }
 
-/// True if the vertex pressed on the other body in the last step.
-bool remembered(const Meeting& m, std::int32_t v) {
-    const std::vector<ContactMemory>& memory = m.body.state.contacts;
-    const auto key = std::tuple(kNoCollider, m.other_slot, std::array<std::int32_t, 3>{v, -1, -1});
-    const auto of = [](const ContactMemory& c) { return std::tuple(c.collider, c.other, c.vertex); };
-    const auto at = std::lower_bound(memory.begin(), memory.end(), key, [&](const ContactMemory& c, const auto& k) { return of(c) < k; });
-    return at != memory.end() && of(*at) == key;
-}
-
 /// Parts of one surface that are neighbours at rest.
 bool neighbours(const Meeting& m, std::int32_t v, std::int32_t t) {
     const Triangle& c = m.triangle(t);
@@ -173,7 +164,7 @@ Vec3 vertex_normal(const Meeting& m, std::int32_t v) {
 void look_at_vertex(Meeting& m, std::int32_t v) {
     const ContactSurface& own = *m.body.contacts.surface;
     const Vec3 &p0 = m.body.state.x[std::size_t(v)], &p1 = own.end[std::size_t(v)];
-    const bool pressed = remembered(m, v);
+    const bool pressed = pressed_before(m.body, m.other_slot, {v, -1, -1});
     const double reach = pressed || (p1 - p0).squaredNorm() > m.margin_m * m.margin_m ? m.reach_m : m.margin_m;
     Bounds box{p0, p0};
     box.include(p1);
@@ -226,6 +217,14 @@ void look_at_vertex(Meeting& m, std::int32_t v) {
 }
 
 }  // namespace
+
+bool pressed_before(const Body& body, std::int32_t other_slot, const std::array<std::int32_t, 3>& key) {
+    const std::vector<ContactMemory>& memory = body.state.contacts;
+    const auto wanted = std::tuple(kNoCollider, other_slot, key);
+    const auto of = [](const ContactMemory& c) { return std::tuple(c.collider, c.other, c.vertex); };
+    const auto at = std::lower_bound(memory.begin(), memory.end(), wanted, [&](const ContactMemory& c, const auto& k) { return of(c) < k; });
+    return at != memory.end() && of(*at) == wanted;
+}
 
 bool may_touch(const World::Impl& world, const Member& a, const Member& b) {
     for (const auto& one : world.contact_switches) {

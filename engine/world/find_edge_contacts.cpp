@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <tuple>
 
 #include "supple/contact/first_fall.h"
 #include "supple/world/contact_stages.h"
@@ -72,15 +71,6 @@ bool between(const Vec3& n, const Vec3& along, const Vec3& n1, const Vec3& n2) {
     const Vec3 e = along.normalized();
     const double turn = n1.cross(n2).dot(e) > 0 ? 1 : -1;
     return turn * n1.cross(n).dot(e) >= -kBetween && turn * n.cross(n2).dot(e) >= -kBetween && n.dot(n1 + n2) > 0;
-}
-
-/// True if these edges pressed on one another in the last step.
-bool remembered(const Pair& p, const SharpEdge& one, std::int32_t two) {
-    const std::vector<ContactMemory>& memory = p.one.body.state.contacts;
-    const auto key = std::tuple(kNoCollider, p.other_slot, std::array<std::int32_t, 3>{one.vertex[0], one.vertex[1], edge_tag(two)});
-    const auto of = [](const ContactMemory& c) { return std::tuple(c.collider, c.other, c.vertex); };
-    const auto at = std::lower_bound(memory.begin(), memory.end(), key, [&](const ContactMemory& c, const auto& k) { return of(c) < k; });
-    return at != memory.end() && of(*at) == key;
 }
 
 /// Neighbours at rest on one surface.
@@ -185,7 +175,7 @@ void look_at_pair(Pair& p, std::int32_t e, std::int32_t f) {
     if (n.isZero(0)) return;
     const double gap = n.dot(s);
     if (gap > p.margin_m) return;
-    if (gap < 0 && (p.self || gap < -p.margin_m) && !remembered(p, own, f)) return;
+    if (gap < 0 && (p.self || gap < -p.margin_m) && !pressed_before(p.one.body, p.other_slot, {own.vertex[0], own.vertex[1], edge_tag(f)})) return;
     if (!seen_by_vertices(p, own, other, n)) add_contact(p, e, f, x, n, -1);
 }
 

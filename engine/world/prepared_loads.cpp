@@ -106,7 +106,7 @@ DeadLoad make_dead(const TemplateData& data, const std::string& name, const Load
         double share[8];
         for (const std::int32_t e : elements) {
             const std::size_t corners = fem::corner_volumes(data.mesh, std::size_t(e), share);
-            for (std::size_t a = 0; a < corners; ++a) weight[std::size_t(fem::element_vertices(data.mesh, std::size_t(e))[a])] += share[a];
+            for (std::size_t a = 0; a < corners; ++a) weight[std::size_t(element_vertices(data.mesh, std::size_t(e))[a])] += share[a];
         }
     }
     DeadLoad dead;
@@ -121,9 +121,7 @@ DeadLoad make_dead(const TemplateData& data, const std::string& name, const Load
 
 /// Matrix block of two vertices; the corners of a boundary face share an element, so it is there.
 std::int32_t find_block(const TemplateData& data, std::int32_t vertex, std::int32_t other) {
-    const std::int32_t row = data.pattern.row[std::size_t(vertex)], column = data.pattern.row[std::size_t(other)];
-    const auto first = data.pattern.column.begin() + data.pattern.row_start[std::size_t(row)], last = data.pattern.column.begin() + data.pattern.row_start[std::size_t(row) + 1];
-    return std::int32_t(std::lower_bound(first, last, column) - data.pattern.column.begin());
+    return std::int32_t(data.pattern.block(std::size_t(data.pattern.row[std::size_t(vertex)]), data.pattern.row[std::size_t(other)]));
 }
 
 PressureLoad make_pressure(const TemplateData& data, const std::string& name, const Load& load) {

@@ -185,7 +185,7 @@ void conserve_merged_spin(const Body& from, Body& to, const TopologyDelta& delta
     std::vector<Vec3> lack(pieces.volume_m3.size(), Vec3::Zero());
     std::vector<std::int32_t> piece(to.vertices(), 0);
     for (std::size_t e = 0; e < mesh.element_count(); ++e)
-        for (const std::int32_t v : element_vertices(mesh, std::int32_t(e))) {
+        for (const std::int32_t v : element_vertices(mesh, e)) {
             piece[std::size_t(v)] = pieces.of_element[e];
             all[std::size_t(pieces.of_element[e])].push_back(v);
         }

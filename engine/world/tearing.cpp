@@ -40,7 +40,7 @@ TopologyDelta tear_overstressed(World& world, BodyId body, const TearDef& def) {
     std::vector<std::vector<std::int32_t>> around(chosen.size());
     std::vector<Vec3> stretch(def.max_stretch > 0 ? chosen.size() : 0, Vec3::Zero());  // largest stretch, along it
     for (std::size_t e = 0; e < mesh.element_count(); ++e) {
-        const auto ids = element_vertices(mesh, std::int32_t(e));
+        const auto ids = element_vertices(mesh, e);
         Vec3 most = Vec3::Zero();
         if (!stretch.empty()) {
             const Mat3 F = fem::element_geometry(mesh, e).deformation_gradient(x);

@@ -98,7 +98,7 @@ std::vector<Piece> pieces_of(const Body& body) {
         piece.elements.push_back(std::int32_t(e));
         piece.volume_m3 += body.layout().volume[e];
         piece.mass_kg += body.layout().volume[e] * (density.size() == 1 ? density[0] : density[e]);
-        for (const std::int32_t v : element_vertices(mesh, std::int32_t(e)))
+        for (const std::int32_t v : element_vertices(mesh, e))
             for (std::size_t c = 0; c < 3; ++c) piece.supported = piece.supported || body.is_held(std::size_t(v), c);
     }
     return out;

@@ -15,6 +15,11 @@
 
 namespace supple::test {
 
+/// A blade across x, endless along z.
+inline mesh::TriangleMesh blade_at_x(double x, double low_y = -10, double high_y = 10) {
+    return swept_blade(std::vector<Vec3>{{x, low_y, -10}, {x, low_y, 10}}, std::vector<Vec3>{{x, high_y, -10}, {x, high_y, 10}});
+}
+
 inline double element_volume(const VolumeMesh& m, std::size_t e) {
     if (e < m.tets.size()) {
         const Tet& t = m.tets[e];
