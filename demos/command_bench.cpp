@@ -73,7 +73,7 @@ int bench(const BenchOptions& o) {
         }
         all.push_back(measure(w, o));
         const Measurement& m = all.back();
-        std::fputs(text_of(m).c_str(), stdout);
+        std::fputs(text_of(m, machine).c_str(), stdout);
         std::fflush(stdout);
         std::fputs(m.statistics.flag_sentences().c_str(), stderr);
         good = good && m.repeats_agree && m.statistics.flags().empty();
@@ -154,6 +154,7 @@ void add_bench_command(CLI::App& app, int& status) {
     command->add_option("--tolerance", o->tolerance, "of the solves, on the true residual; not of scenes and demos [1e-3 and 1e-5]")->check(CLI::Range(1e-12, 0.5));
     command->add_option("--preconditioner", o->preconditioner, "not of scenes and demos [auto]")
         ->transform(CLI::CheckedTransformer(std::map<std::string, PreconditionerKind>{{"auto", PreconditionerKind::automatic},
+                                                                                      {"auto_timed", PreconditionerKind::automatic_timed},
                                                                                       {"block_jacobi", PreconditionerKind::block_jacobi},
                                                                                       {"lattice_multigrid", PreconditionerKind::lattice_multigrid},
                                                                                       {"scalar_laplacian", PreconditionerKind::scalar_laplacian}}));

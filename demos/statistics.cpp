@@ -19,6 +19,7 @@ void StepStatistics::add(const World& world, const StepReport& report) {
     for (std::size_t s = 0; s < kStageCount; ++s) stage_ms_[s].push_back(report.stage_ms[s]);
     iterations_.push_back(report.cg_iterations);
     residuals_.push_back(report.cg_relative_residual);
+    solve_bytes_.push_back(report.solve_bytes);
     add_untimed(world, report);
 }
 

@@ -29,6 +29,7 @@ public:
     const std::vector<double>& stage_ms(std::size_t stage) const { return stage_ms_[stage]; }
     const std::vector<double>& iterations() const { return iterations_; }
     const std::vector<double>& residuals() const { return residuals_; }
+    const std::vector<double>& solve_bytes() const { return solve_bytes_; }
     const std::vector<FlagRecord>& flags() const { return flags_; }
 
     /// Rows "stage  median  p99  p99.9" in milliseconds, with the whole step last.
@@ -38,7 +39,7 @@ public:
     void write_report(const std::filesystem::path& file, const World& world) const;
 
 private:
-    std::vector<double> step_ms_, iterations_, residuals_;
+    std::vector<double> step_ms_, iterations_, residuals_, solve_bytes_;
     std::array<std::vector<double>, kStageCount> stage_ms_;
     std::vector<FlagRecord> flags_;
     std::size_t seen_ = 0;  ///< steps whose flags were looked at

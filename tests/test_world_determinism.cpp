@@ -91,6 +91,88 @@ TEST(WorldDeterminism, ABodyDoesNotNoticeItsNeighbours) {
     EXPECT_EQ(positions(true), positions(false));
 }
 
+// -- small bodies, side by side --
+
+struct Crowd {
+    std::uint64_t hash = 0;
+    StepFlag flags = StepFlag::none;
+    int iterations = 0, contacts = 0;
+    Vec3 plane_force = Vec3::Zero();
+    std::size_t frozen = 0;
+};
+
+/// Bodies that are each too small for a team, of all kinds: some lie on a plane, two on one another, one hangs on a drag, one flows, one blows up. With stress in every step.
+Crowd crowd_after(int threads, int steps) {
+    WorldDef def;
+    def.time_step_s = 0.01;
+    def.threads = threads;
+    def.stress_each_step = true;
+    World world(def);
+    const ColliderId plane = world.add_collider({.shape = PlaneShape{}, .friction = 0.5});
+    std::vector<BodyId> bodies;
+    const auto add = [&](std::shared_ptr<const BodyTemplate> shape, const Material& material, const Vec3& at) {
+        bodies.push_back(world.add_body({.shape = std::move(shape), .material = material, .translation_m = at, .velocity_m_s = {0.1, 0, -0.2}}));
+    };
+    const auto bar = test::bar({16, 4, 4});
+    const Corotational soft{.young_pa = 1e5, .poisson = 0.4};
+    for (int i = 0; i < 3; ++i) add(bar, soft, {0, double(i), 0.001});
+    add(bar, soft, {0.02, 0, 0.102});  // on the first
+    add(test::hex_bar(), soft, {0, 3, 0.001});
+    add(test::bar({8, 3, 3}), NeoHookean{}, {0, 4, 0.001});
+    add(bar, soft, {0, 5, 1});
+    add(bar, soft, {0, 6, 1});
+    add(test::bar({8, 3, 3}), soft, {0, 7, 1});
+    world.fix(bodies[6], test::at_x(0));
+    const auto hit = world.pick({{0.39, 5.05, 3}, {0, 0, -1}});
+    EXPECT_TRUE(hit && hit->body == bodies[6]);
+    const DragId drag = world.begin_drag(*hit, {.radius_m = 0.03});
+    Crowd crowd;
+    for (int n = 0; n < steps; ++n) {
+        world.move_drag(drag, hit->position_m + Vec3(0, 0, 0.002 * n));
+        if (n == 2) world.add_load(bodies[8], {Everything{}, LoadKind::total_force, {{}, {Vec3(1e300, 0, 0)}}});
+        const StepReport report = world.step();
+        crowd.flags |= report.flags;
+        crowd.iterations += report.cg_iterations;
+        crowd.contacts = report.contacts;
+    }
+    crowd.hash = world.hash();
+    crowd.plane_force = world.collider_state(plane).force_n;
+    for (const BodyId body : bodies) crowd.frozen += world.is_frozen(body);
+    return crowd;
+}
+
+TEST(WorldDeterminism, SmallBodiesSideBySideMoveAsOneAfterTheOther) {
+    const Crowd one = crowd_after(1, 6);
+    EXPECT_EQ(one.frozen, 1u);
+    EXPECT_GT(one.contacts, 20);
+    EXPECT_GT(one.plane_force.norm(), 1);
+    for (const int threads : {2, 3, 8}) {
+        const Crowd many = crowd_after(threads, 6);
+        EXPECT_EQ(many.hash, one.hash) << threads << " threads";
+        EXPECT_EQ(many.flags, one.flags);
+        EXPECT_EQ(many.iterations, one.iterations);
+        EXPECT_EQ(many.contacts, one.contacts);
+        EXPECT_EQ(many.plane_force, one.plane_force);
+        EXPECT_EQ(many.frozen, one.frozen);
+    }
+}
+
+// Each stage is given its part of the wall clock, not the sum of what all threads had: parts do not add up to more than the whole.
+TEST(WorldDeterminism, TheStagesOfBodiesSideBySideAddUpToTheStep) {
+    WorldDef def;
+    def.threads = 2;
+    World world(def);
+    for (int i = 0; i < 6; ++i) world.add_body({.shape = test::bar({16, 4, 4}), .translation_m = {0, double(i), 0}, .velocity_m_s = {0, 0, 0.1 * i}});
+    for (int n = 0; n < 3; ++n) {
+        const StepReport report = world.step();
+        double sum = 0;
+        for (const double ms : report.stage_ms) sum += ms;
+        EXPECT_LE(sum, report.step_ms * 1.0001);
+        EXPECT_GT(sum, report.step_ms * 0.5);
+        EXPECT_GT(report.stage_ms[std::size_t(Stage::elements)], 0);
+    }
+}
+
 TEST(WorldDeterminism, TheHashSeesEveryBitOfMotion) {
     World world;
     const BodyId body = world.add_body({.shape = test::unit_tet()});

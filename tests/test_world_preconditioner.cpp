@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "supple/solve/scalar_laplacian.h"
+#include "supple/world/choice_timer.h"
 #include "support/elastic_problem.h"
 
 namespace supple {
@@ -228,6 +229,47 @@ TEST(WorldPreconditioner, AnyInstructionSetCanBeAskedFor) {
         positions.push_back(test::copy(bar.world.positions(bar.body)));
     }
     for (const auto& p : positions) EXPECT_LT(test::relative_difference(p, positions[0]), 1e-6);
+}
+
+TEST(WorldPreconditioner, TheTimerTriesTheOtherNowAndThenAndWantsThreeWins) {
+    ChoiceTimer timer;
+    for (int i = 0; i < ChoiceTimer::kFirstTrial; ++i) {
+        EXPECT_FALSE(timer.trial_is_due()) << i;
+        timer.note(10);
+    }
+    EXPECT_TRUE(timer.trial_is_due());
+    EXPECT_NEAR(timer.trial_ms(), 8, 1e-9);
+    EXPECT_FALSE(timer.won());
+    EXPECT_FALSE(timer.won());
+    EXPECT_TRUE(timer.trial_is_due());
+    timer.lost();  // all was for nothing
+    for (int i = 0; i < ChoiceTimer::kTrialEvery; ++i) {
+        EXPECT_FALSE(timer.trial_is_due()) << i;
+        timer.note(20);
+    }
+    EXPECT_NEAR(timer.trial_ms(), 16, 1e-3) << "the mean follows";
+    EXPECT_FALSE(timer.won());
+    EXPECT_FALSE(timer.won());
+    EXPECT_TRUE(timer.won());
+    EXPECT_FALSE(timer.trial_is_due()) << "the other is new at work";
+    EXPECT_EQ(timer.trial_ms(), 0) << "and nothing is known of it";
+}
+
+// A stiff bar small enough to begin with block-Jacobi, which takes some twenty times as long as the multigrid: it has to be found however busy the machine is.
+TEST(WorldPreconditioner, ByTheClockAStiffBarGetsTheMultigridAndTheSameMotion) {
+    const std::array<int, 3> cells{20, 6, 6};
+    Bar timed(PreconditionerKind::automatic_timed, cells, 2, 3e6, 1e-7), reference(PreconditionerKind::lattice_multigrid, cells, 2, 3e6, 1e-7);
+    const int first = timed.run(1);
+    int least = first;
+    for (int n = 0; n < 60; ++n) least = std::min(least, timed.run(1));
+    EXPECT_GT(first, 100);
+    EXPECT_LT(least, 30) << "never tried";
+    reference.run(61);
+    EXPECT_LT(test::relative_difference(test::copy(timed.world.positions(timed.body)), test::copy(reference.world.positions(reference.body))), 1e-5);
+    const std::vector<std::byte> snapshot = timed.world.save();
+    timed.run(3);
+    timed.world.restore(snapshot);
+    timed.run(3);
 }
 
 }  // namespace

@@ -50,6 +50,17 @@ double Measurement::setup_ns() const {
     return 1e6 * io::median(ms) * threads / double(world.elements);
 }
 
+double Measurement::solve_mb() const { return 1e-6 * io::median(statistics.solve_bytes()); }
+
+double Measurement::solve_gb_s() const {
+    std::vector<double> gb_s;
+    const std::vector<double>& ms = statistics.stage_ms(std::size_t(Stage::solve));
+    for (std::size_t i = 0; i < statistics.steps(); ++i) {
+        if (ms[i] > 0) gb_s.push_back(1e-6 * statistics.solve_bytes()[i] / ms[i]);
+    }
+    return io::median(gb_s);
+}
+
 Measurement measure(const Workload& workload, const BenchOptions& o) {
     Measurement m;
     m.name = workload.name;

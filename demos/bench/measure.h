@@ -23,6 +23,9 @@ struct Measurement {
 
     /// Rotation, force, stress and assembly: wall clock times threads over elements, of the median step [ns].
     double setup_ns() const;
+    /// What the solves of the median step read and write, had the caches nothing of it [MB], and per second of the solve [GB/s].
+    double solve_mb() const;
+    double solve_gb_s() const;
 };
 
 /// Warm-up, then the same steps again and again from the same state. A world that nobody touches goes back by its snapshot; a scripted one is made anew.

@@ -59,6 +59,8 @@ std::string measurement_json(const Measurement& m) {
         .add("cg_iterations", mean_and_max(s.iterations()))
         .add("cg_relative_residual", median_and_max(s.residuals()))
         .add("setup_ns_per_element_and_core", json(m.setup_ns()))
+        .add("solve_mb", json(m.solve_mb()))
+        .add("solve_gb_s", json(m.solve_gb_s()))
         .add("resident_mb", json(m.resident_mb))
         .add("flags", json_array(flags))
         .add("state_hash", json(hash_text(m.world.state_hash)))
@@ -69,7 +71,7 @@ std::string measurement_json(const Measurement& m) {
 
 }  // namespace
 
-std::string text_of(const Measurement& m) {
+std::string text_of(const Measurement& m, const Machine& machine) {
     const StepStatistics& s = m.statistics;
     std::string text = print("\n%s: %zu elements, %zu vertices, %d thread%s, %s\n", m.name.c_str(), m.world.elements, m.world.vertices, m.threads,
                              m.threads == 1 ? "" : "s", m.world.isa.c_str()) +
@@ -77,6 +79,8 @@ std::string text_of(const Measurement& m) {
     text += print("  iterations %.1f (mean) %.0f (most), true relative residual %.2g (median) %.2g (largest)\n", mean(s.iterations()),
                   io::percentile(s.iterations(), 1), io::median(s.residuals()), io::percentile(s.residuals(), 1));
     text += print("  set-up %.1f ns per element and core; processor time %.3f ms (median step, all threads); first step %.2f ms\n", m.setup_ns(), m.cpu_ms, m.first_step_ms);
+    const double gb_s = m.solve_gb_s(), cache = m.threads > 1 ? machine.cache_all_gb_s : machine.cache_one_gb_s, memory = m.threads > 1 ? machine.read_all_gb_s : machine.read_one_gb_s;
+    text += print("  solve: %.1f MB a step, %.1f GB/s, %.0f %% of what this machine reads from cache, %.0f %% from memory\n", m.solve_mb(), gb_s, 100 * gb_s / cache, 100 * gb_s / memory);
     text += print("  memory %.1f MB, state %s%s\n", m.resident_mb, hash_text(m.world.state_hash).c_str(), m.repeats_agree ? "" : " - REPETITIONS DIFFER");
     if (m.tip_m) text += print("  tip (%.5f, %.5f, %.5f) m\n", m.tip_m->x(), m.tip_m->y(), m.tip_m->z());
     return text;
@@ -85,13 +89,13 @@ std::string text_of(const Measurement& m) {
 std::string summary_table(const std::vector<Measurement>& all) {
     std::size_t width = 8;
     for (const Measurement& m : all) width = std::max(width, m.name.size());
-    std::string text = print("\n%-*s %9s %9s %9s %9s %9s %6s %9s %7s %8s\n", static_cast<int>(width), "workload", "median ms", "p99 ms", "p99.9 ms", "CPU ms", "solve ms", "iter.",
-                             "residual", "set-up", "memory");
+    std::string text = print("\n%-*s %9s %9s %9s %9s %9s %6s %9s %7s %8s %8s\n", static_cast<int>(width), "workload", "median ms", "p99 ms", "p99.9 ms", "CPU ms", "solve ms", "iter.",
+                             "residual", "set-up", "solve", "memory");
     for (const Measurement& m : all) {
         const StepStatistics& s = m.statistics;
-        text += print("%-*s %9.3f %9.3f %9.3f %9.3f %9.3f %6.1f %9.2g %4.0f ns %5.0f MB%s%s\n", static_cast<int>(width), m.name.c_str(), io::median(s.step_ms()),
+        text += print("%-*s %9.3f %9.3f %9.3f %9.3f %9.3f %6.1f %9.2g %4.0f ns %3.0f GB/s %5.0f MB%s%s\n", static_cast<int>(width), m.name.c_str(), io::median(s.step_ms()),
                       io::percentile(s.step_ms(), 0.99), io::percentile(s.step_ms(), 0.999), m.cpu_ms, io::median(s.stage_ms(std::size_t(Stage::solve))),
-                      mean(s.iterations()), io::percentile(s.residuals(), 1), m.setup_ns(), m.resident_mb, s.flags().empty() ? "" : "  flags",
+                      mean(s.iterations()), io::percentile(s.residuals(), 1), m.setup_ns(), m.solve_gb_s(), m.resident_mb, s.flags().empty() ? "" : "  flags",
                       m.repeats_agree ? "" : "  DIFFERS");
     }
     return text;

@@ -8,7 +8,7 @@
 namespace supple::demos {
 
 /// A block of text for the terminal; flags are left to StepStatistics::flag_sentences().
-std::string text_of(const Measurement& m);
+std::string text_of(const Measurement& m, const Machine& machine);
 /// One line per measurement, for many at once.
 std::string summary_table(const std::vector<Measurement>& all);
 /// The file that tests/bench/compare.py reads.

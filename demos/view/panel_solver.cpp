@@ -10,7 +10,7 @@
 namespace supple::demos::view {
 namespace {
 
-constexpr std::array<std::string_view, 5> kKinds = {"automatic", "block Jacobi", "lattice multigrid", "scalar Laplacian", "direct"};
+constexpr std::array<std::string_view, 6> kKinds = {"automatic", "block Jacobi", "lattice multigrid", "scalar Laplacian", "direct", "automatic, timed"};
 constexpr std::array<std::string_view, 4> kIntegrators = {"implicit Euler", "bdf2", "newmark", "static"};
 
 bool whole_number(const char* label, const char* id, int& value, int low, int high, const char* help) {

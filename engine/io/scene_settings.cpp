@@ -23,8 +23,9 @@ SolverDef read_solver(const JsonNode& node) {
     if (node.has("cg_max_iterations")) solver.cg_max_iterations = int(node.at("cg_max_iterations").integer(1, 1000000));
     if (node.has("preconditioner")) {
         const std::string kind =
-            node.at("preconditioner").choice({"auto", "block_jacobi", "lattice_multigrid", "scalar_laplacian", "direct"}, {"auto_timed"});
+            node.at("preconditioner").choice({"auto", "auto_timed", "block_jacobi", "lattice_multigrid", "scalar_laplacian", "direct"});
         solver.preconditioner = kind == "auto"                ? PreconditionerKind::automatic
+                                : kind == "auto_timed"        ? PreconditionerKind::automatic_timed
                                 : kind == "block_jacobi"      ? PreconditionerKind::block_jacobi
                                 : kind == "lattice_multigrid" ? PreconditionerKind::lattice_multigrid
                                 : kind == "scalar_laplacian"  ? PreconditionerKind::scalar_laplacian

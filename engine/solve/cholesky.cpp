@@ -96,6 +96,13 @@ double Cholesky<Real>::apply(Team&, const Real* r, Real* z) {
     return dot;
 }
 
+template <class Real>
+auto Cholesky<Real>::traffic() const -> Preconditioner<Real>::Traffic {
+    if (impl_->factor.info() != Eigen::Success) return {};
+    const double entries = double(impl_->factor.matrixL().nestedExpression().nonZeros()), entry = sizeof(double) + sizeof(int);
+    return {2 * entries * entry, 2 * entries * entry + 4.0 * double(impl_->x.size()) * sizeof(double)};
+}
+
 template class Cholesky<float>;
 template class Cholesky<double>;
 

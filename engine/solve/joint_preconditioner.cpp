@@ -396,6 +396,19 @@ std::size_t JointPreconditioner<Real>::bytes() const {
            of(queue_) + of(first_) + of(t_) + of(u_) + of(motion_) + of(galerkin_) + of(meets_) + of(coarse_place_) + of(reach_) + of(c_) + of(y_) + S_.bytes() + E_.bytes();
 }
 
+template <class Real>
+auto JointPreconditioner<Real>::traffic() const -> Preconditioner<Real>::Traffic {
+    const double rows = double(rows_);
+    typename Preconditioner<Real>::Traffic sum{rows * (sizeof(Mat3) * 2 + 12 * sizeof(Real)), rows * 20 * sizeof(Real) + 2 * double(S_.bytes() + E_.bytes())};
+    if (coarse_) sum.apply += 2 * rows * (sizeof(Motion) + 4 * sizeof(Real));
+    for (const JointPart<Real>& part : parts_) {
+        if (part.own == nullptr) continue;
+        sum.update += part.own->traffic().update;
+        sum.apply += part.own->traffic().apply;
+    }
+    return sum;
+}
+
 template class JointPreconditioner<float>;
 template class JointPreconditioner<double>;
 

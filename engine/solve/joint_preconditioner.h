@@ -38,6 +38,7 @@ public:
     /// z = P^-1 r; returns r . z, or what is not positive of a part though it has a residual.
     double apply(Team& team, const Real* r, Real* z);
     std::size_t bytes() const;  ///< memory that it holds
+    Preconditioner<Real>::Traffic traffic() const;
 
 private:
     static constexpr std::size_t kMotions = 12;

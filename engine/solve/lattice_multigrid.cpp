@@ -578,6 +578,18 @@ std::size_t LatticeMultigrid<Real>::bytes() const {
     return sum;
 }
 
+template <class Real>
+auto LatticeMultigrid<Real>::traffic() const -> Preconditioner<Real>::Traffic {
+    typename Preconditioner<Real>::Traffic sum;
+    if (!h_) return sum;
+    sum.update = double(pattern_.column.size()) * (12 * sizeof(Real) + 28);
+    sum.apply = double(pattern_.rows) * 8 * sizeof(Real);
+    for (const auto& level : h_->level) sum.apply += level->traffic();
+    for (const auto& P : h_->transfer) sum.apply += 2 * (double(P.to_points.column.size()) * 8 + double(P.node.size() + P.to_points.row_start.size()) * 36);
+    if (h_->direct) sum.apply += double(h_->direct->column.size()) * 52;
+    return sum;
+}
+
 template class LatticeMultigrid<float>;
 template class LatticeMultigrid<double>;
 

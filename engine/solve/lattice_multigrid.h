@@ -65,7 +65,8 @@ public:
     double apply(Team& team, const Real* r, Real* z) override;
 
     std::vector<std::size_t> level_rows() const;  ///< rows of each level, the finest first
-    std::size_t bytes() const;
+    std::size_t bytes() const;  ///< memory that it holds
+    Preconditioner<Real>::Traffic traffic() const override;
 
 private:
     struct Hierarchy;

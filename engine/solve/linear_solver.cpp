@@ -225,6 +225,24 @@ void LinearSolver<Real>::conjugate_gradients(Team& team, std::span<const SystemP
 }
 
 template <class Real>
+std::array<double, 2> LinearSolver<Real>::traffic(std::span<const SystemPart<Real>> parts, bool warm) const {
+    constexpr double vector = 4 * sizeof(Real);
+    const double rows = double(rows_);
+    double matrix = 0;
+    typename Preconditioner<Real>::Traffic preconditioner;
+    if (joint_ != nullptr) preconditioner = joint_->traffic();
+    for (const SystemPart<Real>& part : parts) {
+        matrix += double(part.A->pattern->column.size()) * (12 * sizeof(Real) + sizeof(std::int32_t)) + double(part.A->pattern->rows) * 2 * vector;
+        if (joint_ != nullptr) continue;
+        const auto own = part.preconditioner->traffic();
+        preconditioner.update += own.update;
+        preconditioner.apply += own.apply;
+    }
+    const double start = preconditioner.update + rows * (2 * sizeof(Vec3) + 2 * vector) + (warm ? matrix + rows * (2 * sizeof(Vec3) + 8 * vector) : 0);
+    return {start, matrix + preconditioner.apply + rows * 9 * vector};  // turn: z p p; advance: p q d d r r
+}
+
+template <class Real>
 LinearSolveResult LinearSolver<Real>::solve(Team& team, std::span<const SystemPart<Real>> parts, std::span<const AppendedRow> appended,
                                             std::span<const Vec3> b, std::span<const std::span<const Vec3>> guesses, const LinearSolveDef& def,
                                             FunctionRef<void(const Vec3* x, Vec3* r)> true_residual, std::span<Vec3> x,
@@ -239,6 +257,8 @@ LinearSolveResult LinearSolver<Real>::solve(Team& team, std::span<const SystemPa
         result.energy_target = std::max(def.energy_target, def.energy_tolerance * size);
     }
     warm_start(team, parts, appended, guesses, x);
+    const std::array<double, 2> traffic_of = traffic(parts, !guesses.empty());
+    result.bytes = traffic_of[0];
     double recurrence = std::sqrt(square(team, r_.data()));
     result.start_residual = recurrence;
     double last_true = HUGE_VAL;
@@ -246,7 +266,9 @@ LinearSolveResult LinearSolver<Real>::solve(Team& team, std::span<const SystemPa
         if ((recurrence > def.target || (pass == 0 && result.energy_target > 0)) && result.iterations < def.max_iterations) {
             // A little below the target: the pass is worth nothing if rounding leaves it a hair above.
             const double goal = std::max(0.9 * def.target, kPassGain<Real> * recurrence);
+            const int before = result.iterations;
             conjugate_gradients(team, parts, appended, goal, pass == 0 ? result.energy_target : 0, def, result);
+            result.bytes += (result.iterations - before) * traffic_of[1];
             // A preconditioner made of the matrix itself fails with it.
             result.indefinite = result.indefinite || (def.only_definite && result.breakdown);
             if (result.indefinite) return result;

@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <memory>
 #include <span>
 
@@ -24,6 +25,7 @@ struct LinearSolveResult {
     double start_residual = 0;     ///< of the best start
     double residual = 0;           ///< |b - A x|, from the true float64 residual
     double energy_target = 0;      ///< that the solve went to, 0: none
+    double bytes = 0;              ///< read and written by matrices, preconditioners and vectors, had the caches nothing of it; without true_residual
     bool converged = false;
     bool stalled = false;          ///< a pass no longer lowers the true residual: the precision of the matrix is used up
     bool breakdown = false;        ///< the preconditioner was not positive: nothing wrong with x, but another one must go on
@@ -79,6 +81,8 @@ private:
                              double target, double energy_target, const LinearSolveDef& def, LinearSolveResult& result);
     void import(Team& team, std::span<const Vec3> from, Real* to) const;
     double square(Team& team, const Real* v);
+    /// Bytes of a start and of an iteration.
+    std::array<double, 2> traffic(std::span<const SystemPart<Real>> parts, bool warm) const;
 
     /// y += what lies beside the matrices times x; returns its x . y.
     double add_beside(Team& team, std::span<const SystemPart<Real>> parts, std::span<const AppendedRow> appended, const Real* x, Real* y);

@@ -17,6 +17,8 @@ public:
     std::size_t rows() const { return row_start_.size() - 1; }
     std::size_t blocks() const { return column_.size(); }
     std::size_t bytes() const;
+    /// What a visit of a cycle reads and writes here: both smoothings and the residual between them.
+    double traffic() const;
     std::size_t chunk() const { return chunk_; }          ///< rows per piece of work
     std::size_t chunks() const { return (rows() + chunk_ - 1) / chunk_; }
     const float* scale() const { return scale_.data(); }
@@ -28,7 +30,7 @@ public:
               std::span<const Mat3> extra = {});
 
     /// Bounds the eigenvalues of D^-1 A by power steps and sets the smoother's polynomial: Chebyshev of the given degree (1 or 2) on
-    /// the upper three quarters. Uses the work vectors.
+    /// the upper nine tenths. Uses the work vectors.
     void set_smoother(Team& team, int degree);
     /// The same with a bound that is known.
     void set_smoother(float largest_eigenvalue, int degree);

@@ -50,6 +50,11 @@ public:
     virtual double apply(Team& team, const Real* r, Real* z) = 0;
     /// False where the last update has shown that its matrix is not positive definite.
     virtual bool is_definite() const { return true; }
+    /// What update() and apply() each read and write, had the caches nothing of it [bytes].
+    struct Traffic {
+        double update = 0, apply = 0;
+    };
+    virtual Traffic traffic() const = 0;
 
     /// Diagonal blocks of a Coupling, one per row, taken in with every update; empty: none. They stay with the caller.
     std::span<const Mat3> coupling_diagonal;
@@ -62,6 +67,7 @@ public:
     BlockJacobi(std::size_t rows, Isa isa);
     void update(Team& team, const Bsr3<Real>& A, std::span<const AppendedRow> appended) override;
     double apply(Team& team, const Real* r, Real* z) override;
+    Preconditioner<Real>::Traffic traffic() const override { return {double(rows_) * 24 * sizeof(Real), double(rows_) * 20 * sizeof(Real)}; }
 
 private:
     const Bsr3Kernels<Real>& kernels_;
@@ -80,6 +86,7 @@ public:
     void update(Team& team, const Bsr3<Real>& A, std::span<const AppendedRow> appended) override;
     double apply(Team& team, const Real* r, Real* z) override;
     bool is_definite() const override;
+    Preconditioner<Real>::Traffic traffic() const override;
 
 private:
     struct Impl;

@@ -20,6 +20,9 @@ public:
 
     void update(Team&, const Bsr3<Real>&, std::span<const AppendedRow>) override {}  ///< nothing: it is constant
     double apply(Team& team, const Real* r, Real* z) override;
+    Preconditioner<Real>::Traffic traffic() const override {
+        return {0, 2.0 * double(factor_.size()) * (sizeof(Real) + sizeof(std::int32_t)) + double(rows_) * 26 * sizeof(Real)};
+    }
 
 private:
     std::size_t rows_;

@@ -7,6 +7,7 @@
 #include "supple/fem/elements.h"
 #include "supple/solve/linear_solver.h"
 #include "supple/solve/scalar_laplacian.h"
+#include "supple/world/choice_timer.h"
 #include "supple/world/contacts.h"
 #include "supple/world/hierarchy_build.h"
 #include "supple/world/prepared_loads.h"
@@ -155,6 +156,7 @@ struct Body {
     PreparedLoads loads;
     std::vector<std::int32_t> held_rows;    ///< matrix rows with a held coordinate of their own or of a neighbour
     bool supports_changed = true;           ///< what depends on them must be made anew
+    ChoiceTimer timer;                 ///< of automatic_timed
     bool preconditioner_fits = false;  ///< the frozen one was built from state.hierarchy_x and state.hierarchy_held
 
     BodyState state, start;

@@ -111,7 +111,7 @@ ColliderId World::add_collider(const ColliderDef& def) {
     w.colliders[slot] = std::move(c);
     ++w.living_colliders;
     give_contact_surfaces(w);
-    w.eliminated.reserve(w.colliders.size());
+    w.scratch.eliminated.reserve(w.colliders.size());
     return {std::uint32_t(slot), w.colliders[slot].generation};
 }
 

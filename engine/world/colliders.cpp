@@ -204,15 +204,13 @@ void end_colliders(StepContext& ctx) {
         world.contact_report.insert(world.contact_report.end(), of_body.begin(), of_body.end());
     }
     ctx.report.contacts = int(world.contact_report.size());
-    ctx.report.contact_bytes = world.contact_report.capacity() * sizeof(ContactPoint) + world.eliminated.capacity() * sizeof(solve::EliminatedBody) +
-                               world.appended.capacity() * sizeof(solve::AppendedRow);
+    ctx.report.contact_bytes = world.contact_report.capacity() * sizeof(ContactPoint) + world.scratch.contact_bytes();
+    for (const std::unique_ptr<Scratch>& aside : world.aside) ctx.report.contact_bytes += aside->contact_bytes();
     for (const std::uint32_t slot : world.order) {
         const Body& body = *world.slots[slot].body;
         ctx.report.contact_bytes += body.contacts.list.capacity() * sizeof(Contact) + body.contacts.report.capacity() * sizeof(ContactPoint) +
                                     body.state.contacts.capacity() * sizeof(ContactMemory);
     }
-    if (world.joint_single) ctx.report.contact_bytes += world.joint_single->preconditioner.bytes();
-    if (world.joint_double) ctx.report.contact_bytes += world.joint_double->preconditioner.bytes();
     for (const Collider& c : world.colliders) ctx.report.contact_bytes += c.row.capacity() * sizeof(std::int32_t) + c.block.capacity() * sizeof(solve::Mat36);
 }
 

@@ -151,7 +151,7 @@ void append_row(StepContext& ctx, const Island& island, Body& body, Contact& c) 
         c.row[k] = c.own_row[k] + std::int32_t(owner.work.first_row);
     }
     const std::span<const std::int32_t> row(c.own_row.data(), c.vertices());
-    ctx.world.appended.push_back({{c.row.data(), c.vertices()}, weight, K});
+    ctx.scratch.appended.push_back({{c.row.data(), c.vertices()}, weight, K});
     if (island.alone()) return;
     if (&other == &body) {
         body.work.own_rows.push_back({row, weight, K});
@@ -166,12 +166,13 @@ void append_row(StepContext& ctx, const Island& island, Body& body, Contact& c) 
 void append_contacts(StepContext& ctx, Island& island) {
     World::Impl& world = ctx.world;
     const double hc = world.def.time_step_s;
-    world.eliminated.clear();
+    ctx.scratch.eliminated.clear();
     for (Collider& collider : world.colliders) {
+        if (collider.generation == 0 || !collider.unknown()) continue;
         collider.row.clear();
         collider.dv.clear();
         collider.block.clear();
-        if (collider.generation != 0 && collider.unknown()) collider_equation(ctx, collider, collider.A, collider.b);
+        collider_equation(ctx, collider, collider.A, collider.b);
     }
     for (Member& member : island.members) {
         const double hs = member.body->work.h;
@@ -193,7 +194,7 @@ void append_contacts(StepContext& ctx, Island& island) {
     for (Collider& collider : world.colliders) {
         if (collider.generation == 0 || !collider.unknown()) continue;
         collider.inverse = collider.A.llt().solve(Mat66::Identity());
-        if (!collider.row.empty()) world.eliminated.push_back({collider.row, collider.block, collider.inverse});
+        if (!collider.row.empty()) ctx.scratch.eliminated.push_back({collider.row, collider.block, collider.inverse});
     }
 }
 
@@ -278,6 +279,7 @@ bool contacts_are_stale(StepContext& ctx, const Island& island) {
 
 void rest_colliders(StepContext& ctx) {
     for (Collider& collider : ctx.world.colliders) {
+        if (collider.generation == 0 || !collider.unknown()) continue;
         collider.from = collider.w;
         collider.dw = Vec6::Zero();
     }

@@ -37,7 +37,7 @@ void place_contacts(StepContext& ctx, Body& body);
 void move_contacts(StepContext& ctx, Island& island);
 /// The whole solution is taken: v0 and the colliders' w have moved on by it, the forces stay those of the models.
 void take_contacts(StepContext& ctx, Island& island);
-/// Adds the rows of the contacts that push to world.appended, and the equations of the colliders that yield to world.eliminated.
+/// Adds the rows of the contacts that push to ctx.scratch.appended, and the equations of the colliders that yield to ctx.scratch.eliminated.
 void append_contacts(StepContext& ctx, Island& island);
 /// A dw = b of a yielding collider without contacts: inertia, gravity, its coupling, and what the bodies before this one did.
 void collider_equation(const StepContext& ctx, const Collider& collider, Mat66& A, Vec6& b);

@@ -296,9 +296,9 @@ void follow_surface(Body& body) {
 }
 
 /// Pairs of members whose boxes meet, both ways round, each with itself among them: sweep and prune along x.
-void find_near(World::Impl& world, std::span<Member> members) {
-    world.sweep.clear();
-    world.near.clear();
+void find_near(Scratch& scratch, std::span<Member> members) {
+    scratch.sweep.clear();
+    scratch.near.clear();
     const auto box = [&](std::int32_t i) {
         const ContactSurface& surface = *members[std::size_t(i)].body->contacts.surface;
         Bounds grown = surface.box;
@@ -307,24 +307,24 @@ void find_near(World::Impl& world, std::span<Member> members) {
     };
     for (std::size_t i = 0; i < members.size(); ++i) {
         if (!members[i].body->contacts.surface) continue;
-        world.sweep.push_back(std::int32_t(i));
-        world.near.push_back({std::int32_t(i), std::int32_t(i)});
+        scratch.sweep.push_back(std::int32_t(i));
+        scratch.near.push_back({std::int32_t(i), std::int32_t(i)});
     }
-    std::sort(world.sweep.begin(), world.sweep.end(), [&](std::int32_t a, std::int32_t b) {
+    std::sort(scratch.sweep.begin(), scratch.sweep.end(), [&](std::int32_t a, std::int32_t b) {
         const double x = box(a).min_m.x(), y = box(b).min_m.x();
         return x != y ? x < y : a < b;
     });
-    for (std::size_t i = 0; i < world.sweep.size(); ++i) {
-        const Bounds one = box(world.sweep[i]);
-        for (std::size_t j = i + 1; j < world.sweep.size(); ++j) {
-            const Bounds two = box(world.sweep[j]);
+    for (std::size_t i = 0; i < scratch.sweep.size(); ++i) {
+        const Bounds one = box(scratch.sweep[i]);
+        for (std::size_t j = i + 1; j < scratch.sweep.size(); ++j) {
+            const Bounds two = box(scratch.sweep[j]);
             if (!(two.min_m.x() <= one.max_m.x())) break;
             if (!one.overlaps(two)) continue;
-            world.near.push_back({world.sweep[i], world.sweep[j]});
-            world.near.push_back({world.sweep[j], world.sweep[i]});
+            scratch.near.push_back({scratch.sweep[i], scratch.sweep[j]});
+            scratch.near.push_back({scratch.sweep[j], scratch.sweep[i]});
         }
     }
-    std::sort(world.near.begin(), world.near.end());
+    std::sort(scratch.near.begin(), scratch.near.end());
 }
 
 /// The contacts of a body with colliders.
@@ -366,22 +366,23 @@ double weight_against(const StepContext& ctx, const Body& body, std::int32_t v) 
 
 void find_contacts(StepContext& ctx, std::span<Member> members) {
     World::Impl& world = ctx.world;
+    Scratch& scratch = ctx.scratch;
     refer_colliders(ctx);
     for (Member& member : members) {
         if (member.body->contacts.surface) follow_surface(*member.body);
     }
-    find_near(world, members);
-    auto near = world.near.begin();
+    find_near(scratch, members);
+    auto near = scratch.near.begin();
     for (std::size_t i = 0; i < members.size(); ++i) {
         Member& member = members[i];
         member.body->contacts.list.clear();
         if (world.living_colliders > 0) find_touching(ctx, *member.body);
-        for (; near != world.near.end() && std::size_t((*near)[0]) == i; ++near) {
+        for (; near != scratch.near.end() && std::size_t((*near)[0]) == i; ++near) {
             Member& other = members[std::size_t((*near)[1])];
             if (may_touch(world, member, other)) find_body_contacts(ctx, member, other);
         }
     }
-    for (const auto& [one, two] : world.near) {
+    for (const auto& [one, two] : scratch.near) {
         Member &member = members[std::size_t(one)], &other = members[std::size_t(two)];
         if (one <= two && may_touch(world, member, other)) find_edge_contacts(ctx, member, other);
     }

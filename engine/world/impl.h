@@ -4,12 +4,35 @@
 
 namespace supple {
 
+/// What the solve of an island writes on, apart from its bodies.
+struct Scratch {
+    std::vector<solve::AppendedRow> appended;
+    std::vector<solve::EliminatedBody> eliminated;  ///< colliders that yield to the island
+    RowFields rows;
+    std::vector<std::int32_t> sweep;                ///< find_contacts(): members by the begin of their boxes
+    std::vector<std::array<std::int32_t, 2>> near;  ///< members whose boxes meet
+    std::unique_ptr<JointSystem<float>> joint_single;   ///< made with the first island of several members
+    std::unique_ptr<JointSystem<double>> joint_double;
+
+    /// A body may need its first solve, or a spring may leave its cap, in any step: not the moment to allocate.
+    void make_room(const Island& island, std::size_t drags) {
+        rows.resize(island.rows);
+        appended.reserve(drags);
+        sweep.reserve(island.members.size());
+        near.reserve(island.members.size());
+    }
+    std::size_t contact_bytes() const {
+        return eliminated.capacity() * sizeof(solve::EliminatedBody) + appended.capacity() * sizeof(solve::AppendedRow) +
+               (joint_single ? joint_single->preconditioner.bytes() : 0) + (joint_double ? joint_double->preconditioner.bytes() : 0);
+    }
+};
+
 struct World::Impl {
     WorldDef def;
     Isa isa = best_isa();
     int threads = 1;
     Team alone;                      ///< for bodies too small to share
-    std::unique_ptr<Team> crew;      ///< `threads` strong; made with the first body that is large enough
+    std::unique_ptr<Team> crew;      ///< `threads` strong; made when the bodies are large enough, one of them or all together
 
     struct Slot {
         std::uint32_t generation = 1;
@@ -27,24 +50,20 @@ struct World::Impl {
     std::vector<Attachment> attachments;
     std::uint32_t next_attachment_generation = 1;
     std::size_t living_attachments = 0;
-    std::vector<solve::EliminatedBody> eliminated;  ///< scratch of a step: colliders that yield to the body at work
 
     std::vector<std::unique_ptr<Body>> retired;  ///< bodies before an edit whose preconditioner is still being built on its thread
 
     std::uint64_t step = 0;
     double accumulator_s = 0;
-    std::vector<solve::AppendedRow> appended;  ///< scratch of a step: rows of one island
+    Scratch scratch;                           ///< of the island at work
+    std::vector<std::unique_ptr<Scratch>> aside;  ///< of islands that are stepped side by side, one each
     std::vector<Member> active;                ///< scratch of a step: the bodies that take part in it
     std::vector<Island> islands;               ///< scratch of a step; more than are in use, so that their memory stays
     std::size_t living_islands = 0;
+    std::vector<Island*> small;                ///< of them, those that are stepped side by side
     DisjointSets together;                     ///< scratch of form_islands(), as is
     std::vector<std::size_t> first_at_collider;
-    RowFields rows;  ///< of the solve at work
     Island lone;                               ///< a member of an island that came apart
-    std::vector<std::int32_t> sweep;           ///< scratch of find_contacts(): members by the begin of their boxes
-    std::vector<std::array<std::int32_t, 2>> near;  ///< members whose boxes meet
-    std::unique_ptr<JointSystem<float>> joint_single;   ///< made with the first island of several members
-    std::unique_ptr<JointSystem<double>> joint_double;
 
     /// Contact of a pair of bodies (or of one with itself) that was switched by hand.
     struct ContactSwitch {
@@ -53,6 +72,8 @@ struct World::Impl {
     };
     std::vector<ContactSwitch> contact_switches;
 
+    /// A body has come: from here on there is a team if there is work for one.
+    void engage_crew();
     Team& team_for(std::size_t elements) { return crew && elements >= kMinElementsForThreads ? *crew : alone; }
     Body& body(BodyId id) const;
     Drag& drag(DragId id);
@@ -70,6 +91,7 @@ void form_islands(World::Impl& world);
 struct StepContext {
     Team& team;
     World::Impl& world;
+    Scratch& scratch;
     StepReport& report;
     double time_s;  ///< at the end of the step
     std::int64_t body_end_ns = 0;  ///< when the body at work must be done: its part of step_budget_us by elements; 0 = no budget

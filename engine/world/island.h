@@ -17,6 +17,8 @@ struct Island {
     std::vector<Member> members;
     std::size_t rows = 0, elements = 0;
     bool same_matrices = false;  ///< since the last solve only what touches has changed
+    StepReport report;           ///< of the island alone, where it is stepped beside others
+    bool moved = false;          ///< there; if not, it has blown up
 
     bool alone() const { return members.size() == 1; }
 };

@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
+
+#include "supple/base/clock.h"
 
 namespace supple {
 
@@ -185,12 +188,17 @@ bool build_laplacian(StepContext& ctx, Body& body, System<Real>& system) {
     return system.laplacian->build(system.A, held);
 }
 
+bool chooses(PreconditionerKind asked) { return asked == PreconditionerKind::automatic || asked == PreconditionerKind::automatic_timed; }
+
+/// Whether the multigrid is of use to a body at all.
+bool may_have_lattice(const Body& body) { return body.vertices() >= kSmallestForLattice && !body.elements->is_coupled(); }
+
 /// The first choice of `auto`: by size.
 PreconditionerKind first_choice(const Body& body, PreconditionerKind asked) {
-    if (body.vertices() < kSmallestForLattice && (asked == PreconditionerKind::automatic || asked == PreconditionerKind::lattice_multigrid)) {
+    if (body.vertices() < kSmallestForLattice && (chooses(asked) || asked == PreconditionerKind::lattice_multigrid)) {
         return PreconditionerKind::block_jacobi;
     }
-    if (asked != PreconditionerKind::automatic) return asked;
+    if (!chooses(asked)) return asked;
     if (body.elements->is_coupled()) return PreconditionerKind::block_jacobi;  // the matrix lacks the stiffest part of the operator
     return body.vertices() >= kMultigridRows ? PreconditionerKind::lattice_multigrid : PreconditionerKind::block_jacobi;
 }
@@ -206,7 +214,7 @@ void set_kind(Body& body, PreconditionerKind kind) {
 
 /// Looks back on a solve of `auto` by block-Jacobi alone.
 void note_jacobi(Body& body, int iterations) {
-    if (iterations > kJacobiLimit && body.vertices() >= kSmallestForLattice && !body.elements->is_coupled()) set_kind(body, PreconditionerKind::lattice_multigrid);
+    if (iterations > kJacobiLimit && may_have_lattice(body)) set_kind(body, PreconditionerKind::lattice_multigrid);
 }
 
 /// Looks back on a solve by the multigrid. What a hierarchy is worth shows in iterations per digit: their number alone changes with the start.
@@ -247,7 +255,7 @@ struct RowExchange {
     StepContext& ctx;
     Island& island;
     FunctionRef<void()> true_residual;
-    RowFields& rows = ctx.world.rows;
+    RowFields& rows = ctx.scratch.rows;
 
     /// @param warm  the guesses of the last steps, too
     void begin(bool warm) {
@@ -269,9 +277,9 @@ struct RowExchange {
     }
     template <class Real>
     solve::LinearSolveResult run(solve::LinearSolver<Real>& solver, std::span<const solve::SystemPart<Real>> parts, bool warm, const solve::LinearSolveDef& def) {
-        solver.set_eliminated(ctx.world.eliminated);
+        solver.set_eliminated(ctx.scratch.eliminated);
         const std::span<const Vec3> guesses[2] = {rows.guess[0], rows.guess[1]};
-        return solver.solve(ctx.team, parts, ctx.world.appended, rows.b, std::span(guesses, warm ? 2 : 0), def, [&](const Vec3*, Vec3*) { residual(); }, rows.x, rows.residual);
+        return solver.solve(ctx.team, parts, ctx.scratch.appended, rows.b, std::span(guesses, warm ? 2 : 0), def, [&](const Vec3*, Vec3*) { residual(); }, rows.x, rows.residual);
     }
 };
 
@@ -283,7 +291,7 @@ struct LoneSolve {
     RowExchange& exchange;
 
     solve::LinearSolveResult run(solve::Preconditioner<Real>& preconditioner, bool warm, const solve::LinearSolveDef& def) const {
-        preconditioner.update(exchange.ctx.team, system.A, exchange.ctx.world.appended);
+        preconditioner.update(exchange.ctx.team, system.A, exchange.ctx.scratch.appended);
         const solve::SystemPart<Real> part{&system.A, &preconditioner, system.coupling.get(), 0};
         return exchange.run<Real>(system.solver, {&part, 1}, warm, def);
     }
@@ -294,9 +302,10 @@ struct LoneSolve {
         solve::LinearSolveDef rest = def;
         rest.max_iterations = def.max_iterations - done.iterations;
         if (rest.max_iterations <= 0) return;
-        const int before = done.iterations;
+        const solve::LinearSolveResult before = done;
         done = run(preconditioner, false, rest);
-        done.iterations += before;
+        done.iterations += before.iterations;
+        done.bytes += before.bytes;
     }
 };
 
@@ -308,12 +317,35 @@ void turn_lattice(StepContext& ctx, const Body& body, System<Real>& system) {
     system.multigrid->turn(ctx.team, [&](std::int32_t id, double* q) { read_rotation(body, body.state.quaternion, id, q); });
 }
 
+/// automatic_timed: the one of block-Jacobi and the multigrid that rests has a try, in less time than the other takes.
+/// @return  what it did, if there was a trial
 template <class Real>
-solve::LinearSolveResult solve_alone(RowExchange& exchange, Body& body, System<Real>& system, bool warm, const solve::LinearSolveDef& def, bool remember) {
+std::optional<solve::LinearSolveResult> try_other(const LoneSolve<Real>& solve, bool warm, const solve::LinearSolveDef& def) {
+    Body& body = solve.body;
+    const PreconditionerKind kind = kind_at_work(body);
+    const bool jacobi = kind == PreconditionerKind::block_jacobi;
+    if ((!jacobi && kind != PreconditionerKind::lattice_multigrid) || !body.preconditioner_fits || body.state.solver[kMemoryBroken] > 0 || !body.timer.trial_is_due()) return std::nullopt;
+    solve::LinearSolveDef trial = def;
+    const std::int64_t end = now_ns() + std::int64_t(1e6 * body.timer.trial_ms());
+    if (def.deadline_ns == 0 || end < def.deadline_ns) trial.deadline_ns = end;
+    if (jacobi) turn_lattice(solve.exchange.ctx, body, solve.system);
+    const solve::LinearSolveResult result = jacobi ? solve.run(*solve.system.multigrid, warm, trial) : solve.run(*solve.system.preconditioner, warm, trial);
+    if (!result.converged || now_ns() > end) {
+        body.timer.lost();
+    } else if (body.timer.won()) {
+        set_kind(body, jacobi ? PreconditionerKind::lattice_multigrid : PreconditionerKind::block_jacobi);
+    }
+    return result;
+}
+
+template <class Real>
+solve::LinearSolveResult solve_with_own(const LoneSolve<Real>& solve, bool warm, const solve::LinearSolveDef& def, bool remember) {
+    RowExchange& exchange = solve.exchange;
+    Body& body = solve.body;
+    System<Real>& system = solve.system;
     StepContext& ctx = exchange.ctx;
     const bool automatic = ctx.world.def.solver.preconditioner == PreconditionerKind::automatic;
     std::vector<std::int32_t>& memory = body.state.solver;
-    const LoneSolve<Real> solve{body, system, exchange};
     solve::LinearSolveResult result;
     if (works_without_build(body)) {
         result = solve.run(*system.preconditioner, warm, def);
@@ -352,6 +384,27 @@ solve::LinearSolveResult solve_alone(RowExchange& exchange, Body& body, System<R
 }
 
 template <class Real>
+solve::LinearSolveResult solve_alone(RowExchange& exchange, Body& body, System<Real>& system, bool warm, const solve::LinearSolveDef& def, bool remember) {
+    const LoneSolve<Real> solve{body, system, exchange};
+    if (!remember || exchange.ctx.world.def.solver.preconditioner != PreconditionerKind::automatic_timed) return solve_with_own(solve, warm, def, remember);
+    if (const auto trial = try_other(solve, warm, def)) {
+        const bool late = def.deadline_ns != 0 && now_ns() > def.deadline_ns;
+        if (trial->converged || trial->indefinite || late || trial->iterations >= def.max_iterations || !std::isfinite(trial->residual)) return *trial;
+        exchange.rows.b = exchange.rows.residual;
+        solve::LinearSolveDef rest = def;
+        rest.max_iterations -= trial->iterations;
+        solve::LinearSolveResult result = solve_with_own(solve, false, rest, false);
+        result.iterations += trial->iterations;
+        result.bytes += trial->bytes;
+        return result;
+    }
+    const std::int64_t begin = now_ns();
+    const solve::LinearSolveResult result = solve_with_own(solve, warm, def, true);
+    if (result.converged && result.iterations > 0) body.timer.note(1e-6 * double(now_ns() - begin));
+    return result;
+}
+
+template <class Real>
 solve::LinearSolveResult solve_together(RowExchange& exchange, JointSystem<Real>& joint, bool warm, const solve::LinearSolveDef& def) {
     StepContext& ctx = exchange.ctx;
     Island& island = exchange.island;
@@ -366,7 +419,7 @@ solve::LinearSolveResult solve_together(RowExchange& exchange, JointSystem<Real>
             solve::Preconditioner<Real>* preconditioner = system.preconditioner.get();
             bool jacobi = kind_at_work(body) != PreconditionerKind::direct;
             // What touches asks for many solves with little work each: there small bodies are better off with what is quickly made.
-            const bool small = ctx.world.def.solver.preconditioner == PreconditionerKind::automatic && body.vertices() < kMultigridRows;
+            const bool small = chooses(ctx.world.def.solver.preconditioner) && body.vertices() < kMultigridRows;
             if (!simple && !small && !works_without_build(body)) {
                 built = true;
                 jacobi = false;
@@ -381,7 +434,7 @@ solve::LinearSolveResult solve_together(RowExchange& exchange, JointSystem<Real>
             joint.parts.push_back({&system.A, preconditioner, system.coupling.get(), body.work.first_row});
             joint.touching.push_back({&system.A, body.work.first_row, jacobi ? nullptr : preconditioner, preconditioner->coupling_diagonal, body.work.y, body.owner});
         }
-        joint.preconditioner.update(ctx.team, joint.touching, ctx.world.appended, ctx.world.eliminated, island.same_matrices && !simple);
+        joint.preconditioner.update(ctx.team, joint.touching, ctx.scratch.appended, ctx.scratch.eliminated, island.same_matrices && !simple);
         joint.solver.set_joint(&joint.preconditioner);
     };
     set_parts(false);
@@ -400,9 +453,10 @@ solve::LinearSolveResult solve_together(RowExchange& exchange, JointSystem<Real>
         rest.max_iterations = std::max(1, def.max_iterations - result.iterations);
         exchange.rows.b = exchange.rows.residual;
         set_parts(true);
-        const int before = result.iterations;
+        const solve::LinearSolveResult before = result;
         result = exchange.run<Real>(joint.solver, joint.parts, false, rest);
-        result.iterations += before;
+        result.iterations += before.iterations;
+        result.bytes += before.bytes;
     }
     return result;
 }
@@ -439,7 +493,7 @@ void ready_for_edit(World::Impl& world, Body& body) {
     if (kind_at_work(body) != PreconditionerKind::lattice_multigrid) return;
     const std::vector<std::int32_t>& m = body.state.solver;
     StepReport unread;
-    StepContext ctx{world.team_for(body.element_count()), world, unread, world.time_s()};
+    StepContext ctx{world.team_for(body.element_count()), world, world.scratch, unread, world.time_s()};
     with_system(body, [&](auto& system) {
         if (m[kMemoryPending] > 0 && m[kMemoryPending] <= kStepsToWaitFor) {
             begin_next(ctx, body, system);
@@ -535,6 +589,16 @@ void take_inherited(Body& body, Inherited inherited) {
 void prepare_preconditioner(StepContext& ctx, Body& body) {
     const PreconditionerKind asked = ctx.world.def.solver.preconditioner;
     if (kind_at_work(body) == PreconditionerKind::automatic) set_kind(body, first_choice(body, asked));
+    if (asked == PreconditionerKind::automatic_timed && kind_at_work(body) == PreconditionerKind::block_jacobi) {
+        // The multigrid that is to have a try is made beside the steps.
+        if (!body.preconditioner_fits && body.timer.trial_is_due() && body.state.solver[kMemoryPending] == 0 && may_have_lattice(body)) ask_for_next(body);
+        with_system(body, [&](auto& system) {
+            if (body.state.solver[kMemoryPending] == 0) return;
+            advance_next(ctx, body, system);
+            body.preconditioner_fits = body.state.solver[kMemoryPending] == 0;
+        });
+        return;
+    }
     if (needs_no_build(kind_at_work(body))) return;
     bool good = true;
     with_system(body, [&](auto& system) {
@@ -557,16 +621,17 @@ void prepare_preconditioner(StepContext& ctx, Body& body) {
 
 solve::LinearSolveResult solve_preconditioned(StepContext& ctx, Island& island, bool warm, const solve::LinearSolveDef& def, bool remember,
                                               FunctionRef<void()> true_residual) {
-    World::Impl& world = ctx.world;
+    const World::Impl& world = ctx.world;
+    Scratch& scratch = ctx.scratch;
     RowExchange exchange{ctx, island, true_residual};
     exchange.begin(warm);
     if (!island.alone()) {
         if (world.def.solver.precision == Precision::single) {
-            if (!world.joint_single) world.joint_single = std::make_unique<JointSystem<float>>(world.isa);
-            return solve_together(exchange, *world.joint_single, warm, def);
+            if (!scratch.joint_single) scratch.joint_single = std::make_unique<JointSystem<float>>(world.isa);
+            return solve_together(exchange, *scratch.joint_single, warm, def);
         }
-        if (!world.joint_double) world.joint_double = std::make_unique<JointSystem<double>>(world.isa);
-        return solve_together(exchange, *world.joint_double, warm, def);
+        if (!scratch.joint_double) scratch.joint_double = std::make_unique<JointSystem<double>>(world.isa);
+        return solve_together(exchange, *scratch.joint_double, warm, def);
     }
     Body& body = *island.members[0].body;
     solve::LinearSolveResult result;

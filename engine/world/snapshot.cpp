@@ -258,7 +258,7 @@ void World::restore(std::span<const std::byte> snapshot) {
         body.stress.valid = false;
     }
     w.drags = std::move(drags);
-    w.appended.reserve(w.drags.size());
+    w.scratch.appended.reserve(w.drags.size());
     w.next_collider_generation = std::max(w.next_collider_generation, next_collider);
     for (std::size_t i = 0; i < colliders.size(); ++i) {
         if (w.colliders[i].generation != 0) w.colliders[i].set_moving(colliders[i]);

@@ -53,13 +53,13 @@ void append_spring(StepContext& ctx, const Island& island, Body& body, Drag& dra
         drag.own_row[i] = body.row_of(drag.vertex[i]);
         drag.row[i] = drag.own_row[i] + std::int32_t(body.work.first_row);
     }
-    ctx.world.appended.push_back({drag.row, drag.masked, K});
+    ctx.scratch.appended.push_back({drag.row, drag.masked, K});
     if (!island.alone()) body.work.own_rows.push_back({drag.own_row, drag.masked, K});
 }
 
 /// The springs' forces with v0, and the rows of springs below their cap and of contacts.
 void append_touch(StepContext& ctx, Island& island) {
-    ctx.world.appended.clear();
+    ctx.scratch.appended.clear();
     for (Member& member : island.members) {
         Body& body = *member.body;
         const double h = body.work.h;
@@ -300,6 +300,7 @@ Solved solve_system(StepContext& ctx, Island& island, double floor, double toler
             if (!again) may_leave.energy = result.energy_target;
         }
         ctx.report.cg_iterations += result.iterations;
+        ctx.report.solve_bytes += result.bytes;
         if (result.indefinite) return Solved::indefinite;
         if (!std::isfinite(result.residual)) return Solved::not_finite;
         report_solve(ctx, island, result, std::max(rhs_norm, floor / tolerance));

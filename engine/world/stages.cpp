@@ -135,7 +135,6 @@ bool integrate(StepContext& ctx, Island& island) {
         if (!is_finite(ctx, *member.body)) return false;
     }
     for (const Member& member : island.members) {
-        read_contacts(ctx, member.id, *member.body);
         end_scheme(ctx, *member.body);
         member.body->stress.valid = false;
         read_drags(ctx.world, member.id, *member.body);

@@ -43,7 +43,7 @@ enum class Solved { yes, not_finite, indefinite };
 /// Drag springs, contacts and dv, to `tolerance` of the right-hand side. A tangent that was not projected (work.project) may turn out to be indefinite.
 /// @param first  of the step: with warm starts, and remembered by the choice of preconditioner
 Solved solve_system(StepContext& ctx, Island& island, double floor, double tolerance, bool first);
-/// The new state of all members, if it is finite; if not, false and nothing has changed.
+/// The new state of all members, if it is finite; if not, false and nothing has changed. read_contacts() follows.
 bool integrate(StepContext& ctx, Island& island);
 /// The body stays where the step found it, takes no further part, and is reported.
 void contain(StepContext& ctx, BodyId id, Body& body);

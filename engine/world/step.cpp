@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <numeric>
 
 #include "supple/base/clock.h"
 #include "supple/world/contact_stages.h"
@@ -23,6 +24,11 @@ void begin_body(StepContext& ctx, Member& member) {
     gather_loads(ctx, *member.body, ctx.time_s);  // after the trapezoidal rule has looked at the loads of the start
 }
 
+/// The forces of an island's contacts, where all islands may be told.
+void read_island(StepContext& ctx, Island& island) {
+    for (const Member& member : island.members) read_contacts(ctx, member.id, *member.body);
+}
+
 /// Each member by itself, as if it touched no other: the one that blew up is found so, and the others go on.
 void part_island(StepContext& ctx, Watch& watch, Island& island) {
     for (Member& member : island.members) undo_contacts(ctx, *member.body);
@@ -35,19 +41,15 @@ void part_island(StepContext& ctx, Watch& watch, Island& island) {
         lone.rows = member.body->vertices();
         begin_body(ctx, lone.members[0]);
         begin_touch(ctx, lone.members);
-        if (!move_island(ctx, watch, lone)) contain(ctx, member.id, *member.body);
+        if (move_island(ctx, watch, lone)) {
+            read_island(ctx, lone);
+        } else {
+            contain(ctx, member.id, *member.body);
+        }
     }
 }
 
-void step_island(StepContext& ctx, Watch& watch, Island& island) {
-    if (!move_island(ctx, watch, island)) {
-        if (island.alone()) {
-            contain(ctx, island.members[0].id, *island.members[0].body);
-        } else {
-            part_island(ctx, watch, island);
-        }
-    }
-    watch.lap(ctx, Stage::integrate);
+void flow(StepContext& ctx, Watch& watch, Island& island) {
     bool plastic = false;
     for (Member& member : island.members) {
         Body& body = *member.body;
@@ -58,17 +60,85 @@ void step_island(StepContext& ctx, Watch& watch, Island& island) {
     if (plastic) watch.lap(ctx, Stage::plasticity);
 }
 
+/// What the world has to know of an island that has moved, or what is to be done where it could not.
+void end_island(StepContext& ctx, Watch& watch, Island& island, bool moved) {
+    if (moved) {
+        read_island(ctx, island);
+    } else if (island.alone()) {
+        contain(ctx, island.members[0].id, *island.members[0].body);
+    } else {
+        part_island(ctx, watch, island);
+    }
+    watch.lap(ctx, Stage::integrate);
+    flow(ctx, watch, island);
+}
+
+/// What the solver has for a step, dealt out by elements.
+struct Budget {
+    std::int64_t start_ns = 0;
+    double ns = 0;  ///< 0: as long as it takes
+    double elements = 0, done = 0;
+
+    /// When those who are next must be done; 0 = never.
+    std::int64_t end_of(double next) {
+        done += next;
+        return ns > 0 ? start_ns + std::int64_t(ns * done / elements) : 0;
+    }
+};
+
+bool is_small(const Island& island) { return island.elements < kMinElementsForThreads; }
+
+/// Islands too small for a team have one thread each, side by side; not where a collider yields, for it hears of one after the other.
+std::span<Island*> find_small(World::Impl& world) {
+    world.small.clear();
+    for (std::size_t i = 0; i < world.living_islands; ++i) {
+        if (is_small(world.islands[i])) world.small.push_back(&world.islands[i]);
+    }
+    const bool yields = std::any_of(world.colliders.begin(), world.colliders.end(), [](const Collider& c) { return c.generation != 0 && c.unknown(); });
+    if (yields || world.small.size() < 2) world.small.clear();
+    while (world.aside.size() < world.small.size()) world.aside.push_back(std::make_unique<Scratch>());
+    for (std::size_t i = 0; i < world.small.size(); ++i) world.aside[i]->make_room(*world.small[i], world.drags.size());
+    return world.small;
+}
+
+void step_side_by_side(StepContext& ctx, Watch& watch, std::span<Island*> islands, Budget& budget) {
+    double elements = 0;
+    for (const Island* island : islands) elements += double(island->elements);
+    Team& team = ctx.world.team_for(std::size_t(elements));
+    const std::int64_t begin_ns = now_ns(), end_ns = budget.end_of(elements);
+    team.for_chunks(islands.size(), [&](std::size_t i) {
+        Island& island = *islands[i];
+        island.report = {};
+        StepContext own{ctx.world.alone, ctx.world, *ctx.world.aside[i], island.report, ctx.time_s};
+        if (end_ns != 0) own.body_end_ns = now_ns() + std::int64_t(double(std::max<std::int64_t>(end_ns - begin_ns, 1)) * double(island.elements) / elements * team.size());
+        Watch own_watch;
+        island.moved = move_island(own, own_watch, island);
+        own_watch.lap(own, Stage::integrate);
+    });
+    double busy_ms = 0;
+    for (const Island* island : islands) busy_ms += std::accumulate(island->report.stage_ms.begin(), island->report.stage_ms.end(), 0.0);
+    const double wall_ms = watch.stopwatch.lap_ms();
+    for (Island* island : islands) {
+        for (double& ms : island->report.stage_ms) ms *= busy_ms > 0 ? wall_ms / busy_ms : 0;
+        ctx.report.include(island->report);
+        end_island(ctx, watch, *island, island->moved);
+    }
+}
+
 }  // namespace
 
 StepReport do_step(World::Impl& world) noexcept {
     StepReport report;
     Watch watch;
-    const std::int64_t start_ns = now_ns();
-    std::size_t largest = 0;
-    double total = 0, done = 0;
-    for (const std::uint32_t slot : world.order) largest = std::max(largest, world.slots[slot].body->element_count());
+    Budget budget{now_ns(), world.def.solver.step_budget_us * 1e3};
+    std::size_t largest = 0, small_elements = 0;
+    for (const std::uint32_t slot : world.order) {
+        const std::size_t elements = world.slots[slot].body->element_count();
+        largest = std::max(largest, elements);
+        if (elements < kMinElementsForThreads) small_elements += elements;
+    }
 
-    StepContext ctx{world.team_for(largest), world, report, double(world.step + 1) * world.def.time_step_s};
+    StepContext ctx{world.team_for(largest), world, world.scratch, report, double(world.step + 1) * world.def.time_step_s};
     begin_colliders(ctx);
     watch.lap(ctx, Stage::contact);
     world.active.clear();
@@ -76,30 +146,47 @@ StepReport do_step(World::Impl& world) noexcept {
         Body& body = *world.slots[slot].body;
         const BodyId id{slot, world.slots[slot].generation};
         if (body.supports_changed) refresh_supports(world, id, body);
-        watch.lap(ctx, Stage::guard);
         if (body.frozen()) {
             report.flags |= StepFlag::frozen;
             drop_contacts(body);
             continue;
         }
         world.active.push_back({id, &body});
-        begin_body(ctx, world.active.back());
-        watch.lap(ctx, Stage::loads);
     }
+    watch.lap(ctx, Stage::guard);
+    StepContext alone{world.alone, world, world.scratch, report, ctx.time_s};
+    world.team_for(small_elements).for_chunks(world.active.size(), [&](std::size_t i) {
+        if (world.active[i].body->element_count() < kMinElementsForThreads) begin_body(alone, world.active[i]);
+    });
+    for (Member& member : world.active) {
+        if (member.body->element_count() >= kMinElementsForThreads) begin_body(ctx, member);
+    }
+    watch.lap(ctx, Stage::loads);
     begin_touch(ctx, world.active);
     form_islands(world);
     watch.lap(ctx, Stage::contact);
-    for (std::size_t i = 0; i < world.living_islands; ++i) total += double(world.islands[i].elements);
+    for (std::size_t i = 0; i < world.living_islands; ++i) budget.elements += double(world.islands[i].elements);
+    const std::span<Island*> small = find_small(world);
+    if (!small.empty()) step_side_by_side(ctx, watch, small, budget);
     for (std::size_t i = 0; i < world.living_islands; ++i) {
-        done += double(world.islands[i].elements);
-        if (world.def.solver.step_budget_us > 0) ctx.body_end_ns = start_ns + std::int64_t(world.def.solver.step_budget_us * 1e3 * done / total);
-        step_island(ctx, watch, world.islands[i]);
+        Island& island = world.islands[i];
+        if (!small.empty() && is_small(island)) continue;
+        ctx.body_end_ns = budget.end_of(double(island.elements));
+        const bool moved = move_island(ctx, watch, island);
+        end_island(ctx, watch, island, moved);
     }
     end_colliders(ctx);
     watch.lap(ctx, Stage::contact);
     ++world.step;
     if (world.def.stress_each_step) {
-        for (const std::uint32_t slot : world.order) update_stress(*world.slots[slot].body, world.team_for(world.slots[slot].body->element_count()));
+        world.team_for(small_elements).for_chunks(world.order.size(), [&](std::size_t i) {
+            Body& body = *world.slots[world.order[i]].body;
+            if (body.element_count() < kMinElementsForThreads) update_stress(body, world.alone);
+        });
+        for (const std::uint32_t slot : world.order) {
+            Body& body = *world.slots[slot].body;
+            if (body.element_count() >= kMinElementsForThreads) update_stress(body, ctx.team);
+        }
         watch.lap(ctx, Stage::stress);
     }
     report.step = world.step;

@@ -1,6 +1,18 @@
 #include "supple/world/step_report.h"
 
+#include <algorithm>
+
 namespace supple {
+
+void StepReport::include(const StepReport& part) {
+    flags |= part.flags;
+    for (std::size_t i = 0; i < kStageCount; ++i) stage_ms[i] += part.stage_ms[i];
+    cg_iterations += part.cg_iterations;
+    solve_bytes += part.solve_bytes;
+    newton_iterations = std::max(newton_iterations, part.newton_iterations);
+    contact_iterations += part.contact_iterations;
+    cg_relative_residual = std::max(cg_relative_residual, part.cg_relative_residual);
+}
 
 std::string_view name(StepFlag one_bit) {
     switch (one_bit) {

@@ -48,7 +48,10 @@ struct StepReport {
     int contacts = 0;            ///< that press at the end of the step
     int contact_iterations = 0;  ///< solves that contacts asked for beyond the first of each
     std::size_t contact_bytes = 0;  ///< memory that contacts hold; it grows with the most of them at a time, and only then does a step allocate
+    double solve_bytes = 0;          ///< read and written by the linear solves, had the caches nothing of it; without the true residual through the elements
     double cg_relative_residual = 0;  ///< |b - A dv| / |b| in float64 arithmetic on float64 state; largest over bodies. 0 where b = 0
+    /// Adds what happened to another part of the same step.
+    void include(const StepReport& part);
     double setup_ms() const { return step_ms - stage_ms[std::size_t(Stage::solve)]; }
 };
 

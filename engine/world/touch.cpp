@@ -150,7 +150,7 @@ DragId World::begin_drag(const PickHit& hit, const DragDef& def) {
     while (slot < w.drags.size() && w.drags[slot].generation != 0) ++slot;
     if (slot == w.drags.size()) w.drags.emplace_back();
     w.drags[slot] = std::move(drag);
-    w.appended.reserve(w.drags.size());
+    w.scratch.appended.reserve(w.drags.size());
     w.body(hit.body).supports_changed = true;
     return {std::uint32_t(slot), w.drags[slot].generation};
 }

@@ -85,6 +85,13 @@ World::World(const WorldDef& def) : impl_(std::make_unique<Impl>()) {
     impl_->threads = def.threads == 0 ? hardware_threads() : def.threads;
 }
 
+void World::Impl::engage_crew() {
+    if (crew || threads == 1) return;
+    std::size_t elements = 0;
+    for (const std::uint32_t slot : order) elements += slots[slot].body->element_count();
+    if (elements >= kMinElementsForThreads) crew = std::make_unique<Team>(threads);
+}
+
 World::~World() = default;
 World::World(World&&) noexcept = default;
 World& World::operator=(World&&) noexcept = default;
@@ -98,10 +105,10 @@ BodyId World::add_body(const BodyDef& def) {
         for (const std::string& sentence : body->data().mesh_report().sentences()) w.def.log(LogLevel::warning, body->name + ": " + sentence);
     }
     warn_of_locking(w.def, *body);
-    if (!w.crew && w.threads > 1 && body->element_count() >= kMinElementsForThreads) w.crew = std::make_unique<Team>(w.threads);
     if (slot == w.slots.size()) w.slots.emplace_back();
     w.slots[slot].body = std::move(body);
     w.order.push_back(slot);
+    w.engage_crew();
     give_contact_surfaces(w);
     return {slot, w.slots[slot].generation};
 }

@@ -47,6 +47,7 @@ enum class PreconditionerKind {
     lattice_multigrid,  ///< a frozen hierarchy of lattices that turns with the body: iterations that hardly grow with size and stiffness
     scalar_laplacian,   ///< Cholesky factor of a scalar matrix, made once: for small meshes full of slivers
     direct,             ///< Cholesky factor of every matrix: robust and slow; memory and time grow fast beyond some thousand vertices
+    automatic_timed,    ///< as automatic, but block-Jacobi or the multigrid by which took less time on this machine: a run is no longer the same every time
 };
 
 struct SolverDef {
