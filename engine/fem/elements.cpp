@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "supple/base/assert.h"
+#include "supple/fem/block_sums.h"
 #include "supple/fem/element_passes.h"
 #include "supple/fem/hyper_parameters.h"
 #include "supple/fem/nodal_volume.h"
@@ -157,8 +158,10 @@ public:
         def_.project = def.project && is_regularized(first_material(def, materials));
         tangent_.resize(lanes * (is_tensor_law(parameters_.law) ? kTensorTangent : kTangent));
         fibre_tangent_.resize(lanes * parameters_.families * kFibreTangent);
-        if (def.precision == MatrixPrecision::single) block_f_.resize(lanes * kElementBlocks);
-        if (def.precision == MatrixPrecision::double_) block_d_.resize(lanes * kElementBlocks);
+        if (def.precision == MatrixPrecision::none) return;
+        sums_ = make_block_sums(def.pattern, def.contributions, rest_.blocks(), kBlockChunk);
+        if (def.precision == MatrixPrecision::single) place_f_.resize(sums_.places() * 12);
+        if (def.precision == MatrixPrecision::double_) place_d_.resize(sums_.places() * 12);
     }
 
     void evaluate(Team& team, const double* position, double* quaternion, const ElementOutputs& outputs) override {
@@ -178,12 +181,17 @@ public:
         if (outputs.tangent) {
             pass.tangent = tangent_.data();
             pass.fibre_tangent = fibre_tangent_.data();
-            if (!block_f_.empty()) pass.block_f = block_f_.data();
-            if (!block_d_.empty()) pass.block_d = block_d_.data();
         }
         const auto kernel = kernels_.elements[std::size_t(parameters_.law)];
-        if (outputs.force != nullptr) return run_and_sum(team, rest_.blocks(), def_.group->sums, pass, outputs.force, kernel);
-        team.for_range(rest_.blocks(), kBlockChunk, [&](std::size_t begin, std::size_t end) { kernel(pass, begin, end); });
+        const auto with_blocks = [&](const Tet4HyperPass& chunk, std::size_t begin, std::size_t end) {
+            if (!outputs.tangent || def_.precision == MatrixPrecision::none) return kernel(chunk, begin, end);
+            Tet4HyperPass inner = chunk;
+            inner.corner_block = begin;
+            if (!place_f_.empty()) sum_blocks(inner, begin, end, &Tet4HyperPass::block_f, place_f_.data(), kernels_.add_blocks_f);
+            if (!place_d_.empty()) sum_blocks(inner, begin, end, &Tet4HyperPass::block_d, place_d_.data(), kernels_.add_blocks_d);
+        };
+        if (outputs.force != nullptr) return run_and_sum(team, rest_.blocks(), def_.group->sums, pass, outputs.force, with_blocks);
+        team.for_range(rest_.blocks(), kBlockChunk, [&](std::size_t begin, std::size_t end) { with_blocks(pass, begin, end); });
     }
 
     std::optional<Lame> lame(std::size_t) const override { return {}; }
@@ -205,19 +213,43 @@ public:
     }
 
     void assemble(Team& team, double scale, std::span<const double> shift, float* value) override {
-        assemble_rows(team, scale, shift, block_f_, value, kernels_.assemble_f);
+        assemble_rows(team, scale, shift, place_f_, value, kernels_.assemble_f);
     }
     void assemble(Team& team, double scale, std::span<const double> shift, double* value) override {
-        assemble_rows(team, scale, shift, block_d_, value, kernels_.assemble_d);
+        assemble_rows(team, scale, shift, place_d_, value, kernels_.assemble_d);
     }
 
 private:
+    /// Evaluates a chunk of elements and sums their blocks.
+    template <class Real, class Add>
+    void sum_blocks(Tet4HyperPass& pass, std::size_t begin, std::size_t end, Real* Tet4HyperPass::* block, Real* place, Add&& add) {
+        alignas(64) Real of_elements[kBlockChunk * kBlock * kElementBlocks];
+        pass.*block = of_elements;
+        kernels_.elements[std::size_t(parameters_.law)](pass, begin, end);
+        const std::size_t chunk = begin / sums_.chunk, first = sums_.first[chunk], diagonal = sums_.diagonal[chunk], last = sums_.first[chunk + 1];
+        BlockAddition<Real> sum;
+        sum.count = sums_.count.data() + 2 * first;
+        sum.entry = sums_.entry.data() + sums_.first_entry[chunk];
+        sum.places = diagonal - first;
+        sum.from = of_elements;
+        sum.to = place + 12 * first;
+        add(sum);
+        sum.count = sums_.count.data() + 2 * diagonal;
+        sum.entry = sums_.entry.data() + sums_.first_diagonal_entry[chunk];
+        sum.places = last - diagonal;
+        sum.from = place + 12 * first;
+        sum.to = place + 12 * diagonal;
+        add(sum);
+    }
+
     template <class Real, class Kernel>
-    void assemble_rows(Team& team, double scale, std::span<const double> shift, const AlignedVector<Real>& block, Real* value, Kernel kernel) {
-        SUPPLE_ASSERT(!block.empty());
+    void assemble_rows(Team& team, double scale, std::span<const double> shift, const AlignedVector<Real>& place, Real* value, Kernel kernel) {
+        SUPPLE_ASSERT(!place.empty());
         BlockAssembly<Real> pass;
         fill_lists(pass, def_, scale, shift);
-        pass.block = block.data();
+        pass.contribution_start = sums_.start.data();
+        pass.contribution = sums_.place.data();
+        pass.place = place.data();
         pass.value = value;
         team.for_range(def_.pattern.rows(), kAssemblyChunk, [&](std::size_t begin, std::size_t end) { kernel(pass, begin, end); });
     }
@@ -227,8 +259,9 @@ private:
     HyperParameters parameters_;
     const Tet4HyperKernels& kernels_;
     AlignedVector<double> tangent_, fibre_tangent_;
-    AlignedVector<float> block_f_;
-    AlignedVector<double> block_d_;
+    BlockSums sums_;
+    AlignedVector<float> place_f_;   ///< stiffness of the last evaluation, summed: [place][column 0..2][x y z 0]
+    AlignedVector<double> place_d_;
 };
 
 }  // namespace

@@ -208,32 +208,22 @@ inline void add_fibre_product(const double* fibre, const double* fibre_tangent, 
         for (int j = 0; j < 3; ++j) dP.m[i][j] = dP.m[i][j] + traction[i] * direction[j];
 }
 
-/// Corner 0: a rigid shift makes no force, so rows and columns sum to zero.
+/// Corner 0 of the pairs: a rigid shift makes no force, so columns sum to zero.
 inline void outer_blocks(Matrix K[4][4]) {
-    const Lanes zero(0.0);
     const auto entry = [&](int a, int b, int i, int j) { return a <= b ? K[a][b].m[i][j] : K[b][a].m[j][i]; };
     for (int b = 1; b < 4; ++b)
         for (int i = 0; i < 3; ++i)
-            for (int j = 0; j < 3; ++j) K[0][b].m[i][j] = zero - (entry(1, b, i, j) + entry(2, b, i, j) + entry(3, b, i, j));
-    for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j) K[0][0].m[i][j] = zero - (K[0][1].m[i][j] + K[0][2].m[i][j] + K[0][3].m[i][j]);
+            for (int j = 0; j < 3; ++j) K[0][b].m[i][j] = Lanes(0.0) - (entry(1, b, i, j) + entry(2, b, i, j) + entry(3, b, i, j));
 }
 
-/// Lane by lane: the ten blocks in columns [x y z 0].
+/// Lane by lane: the blocks of the six pairs in columns [x y z 0].
 template <class Real>
 inline void store_blocks(const ElementStiffness& stiffness, Real* out) {
     int place = 0;
     for (int a = 0; a < 4; ++a) {
-        for (int b = a; b < 4; ++b, ++place) {
-            alignas(64) double s[9][kLanes];
-            for (int i = 0; i < 9; ++i) store(s[i], stiffness.K[a][b].m[i / 3][i % 3]);
-            for (int lane = 0; lane < kLanes; ++lane) {
-                Real* to = out + std::size_t(lane) * kElementBlocks + std::size_t(place) * 12;
-                for (int c = 0; c < 3; ++c) {
-                    for (int i = 0; i < 3; ++i) to[4 * c + i] = Real(s[3 * i + c][lane]);
-                    to[4 * c + 3] = Real(0);
-                }
-            }
+        for (int b = a + 1; b < 4; ++b, ++place) {
+            const Matrix& K = stiffness.K[a][b];
+            for (int c = 0; c < 3; ++c) store_points(out + 12 * place + 4 * c, kElementBlocks, K.m[0][c], K.m[1][c], K.m[2][c], Lanes(0.0));
         }
     }
 }

@@ -46,12 +46,13 @@ inline void store_points(double* out, std::size_t stride, const Lanes& x, const 
     }
 }
 inline void store_points(float* out, std::size_t stride, const Lanes& x, const Lanes& y, const Lanes& z, const Lanes& w) {
-    __m512d p[4];
-    to_points(x, y, z, w, p);
-    for (int i = 0; i < 4; ++i) {
-        const __m256 two = _mm512_cvtpd_ps(p[i]);
-        _mm_store_ps(out + std::size_t(kLaneOf[i][0]) * stride, _mm256_castps256_ps128(two));
-        _mm_store_ps(out + std::size_t(kLaneOf[i][1]) * stride, _mm256_extractf128_ps(two, 1));
+    const __m256 a = _mm512_cvtpd_ps(x), b = _mm512_cvtpd_ps(y), c = _mm512_cvtpd_ps(z), d = _mm512_cvtpd_ps(w);
+    const __m256 ab_low = _mm256_unpacklo_ps(a, b), ab_high = _mm256_unpackhi_ps(a, b), cd_low = _mm256_unpacklo_ps(c, d), cd_high = _mm256_unpackhi_ps(c, d);
+    const __m256 two[4] = {_mm256_shuffle_ps(ab_low, cd_low, 0x44), _mm256_shuffle_ps(ab_low, cd_low, 0xee), _mm256_shuffle_ps(ab_high, cd_high, 0x44),
+                           _mm256_shuffle_ps(ab_high, cd_high, 0xee)};  // lanes 0 4, 1 5, 2 6, 3 7
+    for (std::size_t lane = 0; lane < 4; ++lane) {
+        _mm_store_ps(out + lane * stride, _mm256_castps256_ps128(two[lane]));
+        _mm_store_ps(out + (lane + 4) * stride, _mm256_extractf128_ps(two[lane], 1));
     }
 }
 

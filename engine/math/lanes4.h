@@ -101,6 +101,35 @@ private:
     FourOf<Real> s0_ = {0, 0, 0, 0}, s1_ = {0, 0, 0, 0}, s2_ = {0, 0, 0, 0};
 };
 
+/// A 3x3 block in three columns x y z and a pad that is zero: twelve numbers.
+template <class Real>
+class Block3 {
+public:
+    void add(const Real* block) {
+        for (int k = 0; k < 3; ++k) c_[k] += load4(block + 4 * k);
+    }
+    void add(const Block3& other) {
+        for (int k = 0; k < 3; ++k) c_[k] += other.c_[k];
+    }
+    void scale(Real factor) {
+        for (int k = 0; k < 3; ++k) c_[k] *= factor;
+    }
+    void add_to_diagonal(Real value) {
+        for (int k = 0; k < 3; ++k) c_[k][k] += value;
+    }
+    Block3 transposed() const {
+        Block3 t;
+        for (int k = 0; k < 3; ++k) t.c_[k] = FourOf<Real>{c_[0][k], c_[1][k], c_[2][k], 0};
+        return t;
+    }
+    void store(Real* to) const {
+        for (int k = 0; k < 3; ++k) store4(to + 4 * k, c_[k]);
+    }
+
+private:
+    FourOf<Real> c_[3] = {};
+};
+
 /// Sums over pairs of vectors of s a b^T + b a^T, a 3x3 block.
 template <class Real>
 class PairSum {
@@ -130,6 +159,27 @@ inline __m512 spread3(const float* p) {
     const __m512i order = _mm512_set_epi32(3, 3, 3, 3, 2, 2, 2, 2, 1, 1, 1, 1, 0, 0, 0, 0);
     return _mm512_permutevar_ps(_mm512_broadcast_f32x4(_mm_load_ps(p)), order);
 }
+
+template <>
+class Block3<float> {
+public:
+    void add(const float* block) { v_ = _mm512_add_ps(v_, _mm512_maskz_loadu_ps(0x0fff, block)); }
+    void add(const Block3& other) { v_ = _mm512_add_ps(v_, other.v_); }
+    void scale(float factor) { v_ = _mm512_mul_ps(v_, _mm512_set1_ps(factor)); }
+    void add_to_diagonal(float value) { v_ = _mm512_mask_add_ps(v_, 0x0421, v_, _mm512_set1_ps(value)); }
+    Block3 transposed() const {
+        Block3 t;
+        t.v_ = _mm512_permutexvar_ps(_mm512_set_epi32(15, 15, 15, 15, 15, 10, 6, 2, 15, 9, 5, 1, 15, 8, 4, 0), v_);
+        return t;
+    }
+    void store(float* to) const {
+        _mm256_storeu_ps(to, _mm512_castps512_ps256(v_));
+        _mm_store_ps(to + 8, _mm512_extractf32x4_ps(v_, 2));
+    }
+
+private:
+    __m512 v_ = _mm512_setzero_ps();
+};
 
 template <>
 class PairSum<float> {
