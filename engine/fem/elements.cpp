@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "supple/base/assert.h"
+#include "supple/fem/assembly_order.h"
 #include "supple/fem/block_sums.h"
 #include "supple/fem/element_passes.h"
 #include "supple/fem/hyper_parameters.h"
@@ -53,7 +54,11 @@ public:
             if (exact) twist_d_.resize(lanes * kTwistRecord);
         }
         if (def.precision == MatrixPrecision::none) return;
-        laplacian_ = laplacian_entries(set_.rest, moduli_, def.contributions.start, def.contributions.pair);
+        const std::vector<double> of_block = laplacian_entries(set_.rest, moduli_, def.contributions.start, def.contributions.pair);
+        order_ = make_assembly_order(def.pattern, def.contributions, kAssemblyChunk);
+        laplacian_.reserve(order_.block.size());
+        for (const std::uint32_t block : order_.block) laplacian_.push_back(of_block[block]);
+        ratio_ = common_ratio();
     }
 
     void evaluate(Team& team, const double* position, double* quaternion, const ElementOutputs& outputs) override {
@@ -127,13 +132,39 @@ private:
     void assemble_rows(Team& team, double scale, std::span<const double> shift, const AlignedVector<Real>& record,
                        const AlignedVector<Real>& twist, Real* value, Kernel kernel) {
         SUPPLE_ASSERT(!record.empty());
-        Tet4Assembly<Real> pass;
-        fill_lists(pass, def_, scale, shift);
-        pass.record = record.data();
-        if (!twist.empty()) pass.twist = twist.data();
-        pass.laplacian = laplacian_.data();
-        pass.value = value;
-        team.for_range(def_.pattern.rows(), kAssemblyChunk, [&](std::size_t begin, std::size_t end) { kernel(pass, begin, end); });
+        Tet4Assembly<Real> all;
+        all.record = record.data();
+        if (!twist.empty()) all.twist = twist.data();
+        all.uniform = ratio_.has_value();
+        all.ratio = ratio_.value_or(0);
+        all.diagonal_shift = shift.empty() ? nullptr : shift.data();
+        all.stiffness_scale = scale;
+        all.value = value;
+        team.for_range(def_.pattern.rows(), kAssemblyChunk, [&](std::size_t begin, std::size_t) {
+            const AssemblyOrder::Chunk& chunk = order_.chunks[begin / kAssemblyChunk];
+            Tet4Assembly<Real> pass = all;
+            pass.above = chunk.diagonal - chunk.first;
+            pass.diagonal = chunk.last - chunk.diagonal;
+            pass.block = order_.block.data() + chunk.first;
+            pass.partner = order_.partner.data() + chunk.first;
+            pass.count = order_.count.data() + chunk.first;
+            pass.contribution = order_.contribution.data() + chunk.contribution;
+            pass.laplacian = laplacian_.data() + chunk.first;
+            kernel(pass);
+        });
+    }
+
+    /// lambda / mu where it is the same in all elements that have stiffness.
+    std::optional<double> common_ratio() const {
+        std::optional<double> common;
+        for (std::size_t e = 0; e < set_.rest.elements; ++e) {
+            const double* of_block = moduli_.data() + e / kBlock * 2 * kBlock + e % kBlock;
+            if (!(of_block[kBlock] > 0)) continue;
+            const double ratio = of_block[0] / of_block[kBlock];
+            if (!common) common = ratio;
+            if (!(std::abs(ratio - *common) <= 1e-12 * std::abs(*common))) return {};
+        }
+        return common;
     }
 
     GroupDef def_;
@@ -143,7 +174,9 @@ private:
     PlasticFlow flow_;
     std::optional<NodalVolume> nodal_;
     AlignedVector<double> dilatation_, pressure_;
-    std::vector<double> laplacian_;  ///< [matrix block] sum of mu V g_a.g_b
+    AssemblyOrder order_;
+    std::vector<double> laplacian_;  ///< [block in this order] sum of mu V g_a.g_b
+    std::optional<double> ratio_;    ///< lambda / mu, of all elements
     AlignedVector<float> record_f_, twist_f_;
     AlignedVector<double> record_d_, twist_d_;
     AlignedVector<double> twist_;    ///< exact tangent only
