@@ -100,23 +100,27 @@ struct Response {
     }
 }
 
-/// Stores a tangent, and the blocks of the matrix made from it.
-template <class Tangent>
-void store_tangent(const Tet4HyperPass& pass, std::size_t at, const Tangent& t, const Kinematics& k) {
+/// The blocks of the matrix that a tangent gives the elements in the lanes.
+template <class T, class Real, class Tangent>
+void make_blocks(const Tet4HyperPass& pass, std::size_t at, const Tangent& t, const Kinematics& k, Real* out) {
     const std::size_t block = at / kBlock, lane = at % kBlock;
-    double* tangent = pass.tangent + block * Tangent::kNumbers * kBlock + lane;
-    for_each_number(t, [&](int i, const Lanes& value) { store(tangent + std::size_t(i) * kBlock, value); });
-    if (pass.block_f == nullptr && pass.block_d == nullptr) return;
-    ElementStiffness stiffness;
+    ElementStiffness<T> stiffness;
     inner_blocks(t, k.g, k.volume, stiffness.K);
     for (std::size_t family = 0; family < pass.families; ++family) {
         add_fibre_blocks(pass.fibre + (block * pass.families + family) * kFibre * kBlock + lane,
                          pass.fibre_tangent + (block * pass.families + family) * kFibreTangent * kBlock + lane, k.g, k.volume, stiffness.K);
     }
     outer_blocks(stiffness.K);
-    const std::size_t element = at - pass.corner_block * kBlock;
-    if (pass.block_f != nullptr) store_blocks(stiffness, pass.block_f + element * kElementBlocks);
-    if (pass.block_d != nullptr) store_blocks(stiffness, pass.block_d + element * kElementBlocks);
+    store_blocks(stiffness, out + (at - pass.corner_block * kBlock) * kElementBlocks);
+}
+
+/// Stores a tangent, and the blocks of the matrix made from it.
+template <class Tangent>
+void store_tangent(const Tet4HyperPass& pass, std::size_t at, const Tangent& t, const Kinematics& k) {
+    double* tangent = pass.tangent + at / kBlock * Tangent::kNumbers * kBlock + at % kBlock;
+    for_each_number(t, [&](int i, const Lanes& value) { store(tangent + std::size_t(i) * kBlock, value); });
+    if (pass.block_f != nullptr) make_blocks<Floats>(pass, at, t, k, pass.block_f);
+    if (pass.block_d != nullptr) make_blocks<Lanes>(pass, at, t, k, pass.block_d);
 }
 
 [[gnu::noinline]] void finish_principal(const Tet4HyperPass& pass, std::size_t at, const Kinematics& k, Principal& e) {
