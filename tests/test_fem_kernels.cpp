@@ -3,6 +3,7 @@
 
 #include <Eigen/Dense>
 
+#include "supple/fem/assembly_order.h"
 #include "supple/solve/bsr3.h"
 #include "supple/solve/bsr3_kernels.h"
 #include "supple/world/template_data.h"
@@ -157,27 +158,34 @@ TEST(FemKernels, ProductOfEveryInstructionSetAgreesWithScalar) {
 /// The matrix that a step assembles, by the kernels of one instruction set.
 template <class Real>
 AlignedVector<Real> assembled(Isa isa, const Deformed& body, const Elements& e, const AlignedVector<Real>& record, double scale,
-                              const std::vector<double>& shift) {
+                              const std::vector<double>& shift, bool uniform) {
     std::vector<double> laplacian(body.pattern.blocks(), 0.0);
     for (std::size_t b = 0; b < body.pattern.blocks(); ++b)
         for (std::int64_t i = body.pairs.start[b]; i < body.pairs.start[b + 1]; ++i)
             laplacian[b] += fem::laplacian_entry(e.rest, e.moduli, body.pairs.pair[std::size_t(i)]);
     AlignedVector<Real> value(body.pattern.blocks() * 12, Real(-1));
     fem::Tet4Assembly<Real> pass;
-    pass.row_start = body.pattern.row_start.data();
-    pass.column = body.pattern.column.data();
-    pass.mirror = body.pattern.mirror.data();
-    pass.contribution_start = body.pairs.start.data();
-    pass.contribution = body.pairs.pair.data();
+    const fem::MatrixPattern pattern{body.pattern.row_start, body.pattern.column, body.pattern.mirror};
+    const fem::AssemblyOrder order = fem::make_assembly_order(pattern, {body.pairs.start, body.pairs.pair}, pattern.rows());  // one chunk
+    std::vector<double> ordered;
+    for (const std::uint32_t block : order.block) ordered.push_back(laplacian[block]);
+    pass.above = order.chunks[0].diagonal;
+    pass.diagonal = order.chunks[0].last - order.chunks[0].diagonal;
+    pass.block = order.block.data();
+    pass.partner = order.partner.data();
+    pass.count = order.count.data();
+    pass.contribution = order.contribution.data();
+    pass.laplacian = ordered.data();
+    pass.uniform = uniform;
+    pass.ratio = kLame.lambda_pa / kLame.mu_pa;
     pass.record = record.data();
-    pass.laplacian = laplacian.data();
     pass.diagonal_shift = shift.data();
     pass.stiffness_scale = scale;
     pass.value = value.data();
     if constexpr (sizeof(Real) == 4) {
-        fem::tet4_kernels(isa).assemble_f(pass, 0, body.pattern.rows);
+        fem::tet4_kernels(isa).assemble_f(pass);
     } else {
-        fem::tet4_kernels(isa).assemble_d(pass, 0, body.pattern.rows);
+        fem::tet4_kernels(isa).assemble_d(pass);
     }
     return value;
 }
@@ -210,12 +218,14 @@ TEST(FemKernels, AssembledMatrixEqualsTheMatrixFreeProduct) {
         }
         EXPECT_LT(test::relative_difference(y, expected), tolerance) << name(isa);
     };
-    const auto oracle = assembled<double>(Isa::scalar, body, e, e.record_d, scale, shift);
-    for (const Isa isa : test::supported_isas()) {
-        const auto wide = assembled<double>(isa, body, e, e.record_d, scale, shift);
+    const auto oracle = assembled<double>(Isa::scalar, body, e, e.record_d, scale, shift, false);
+    for (const Isa isa : test::supported_isas())
+    for (const bool uniform : {false, true}) {
+        SCOPED_TRACE(testing::Message() << name(isa) << (uniform ? ", one ratio of moduli" : ", any moduli"));
+        const auto wide = assembled<double>(isa, body, e, e.record_d, scale, shift, uniform);
         EXPECT_LT(relative_difference(wide, oracle), 1e-12) << name(isa);
         check(isa, wide, 1e-12);
-        const auto single = assembled<float>(isa, body, e, e.record_f, scale, shift);
+        const auto single = assembled<float>(isa, body, e, e.record_f, scale, shift, uniform);
         EXPECT_LT(relative_difference(single, oracle), 1e-5) << name(isa);
         check(isa, single, 1e-5);
         // The mirrors hold the transposed numbers, to the bit.

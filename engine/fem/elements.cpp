@@ -4,6 +4,8 @@
 #include <optional>
 
 #include "supple/base/assert.h"
+#include "supple/fem/assembly_order.h"
+#include "supple/fem/block_sums.h"
 #include "supple/fem/element_passes.h"
 #include "supple/fem/hyper_parameters.h"
 #include "supple/fem/nodal_volume.h"
@@ -52,7 +54,11 @@ public:
             if (exact) twist_d_.resize(lanes * kTwistRecord);
         }
         if (def.precision == MatrixPrecision::none) return;
-        laplacian_ = laplacian_entries(set_.rest, moduli_, def.contributions.start, def.contributions.pair);
+        const std::vector<double> of_block = laplacian_entries(set_.rest, moduli_, def.contributions.start, def.contributions.pair);
+        order_ = make_assembly_order(def.pattern, def.contributions, kAssemblyChunk);
+        laplacian_.reserve(order_.block.size());
+        for (const std::uint32_t block : order_.block) laplacian_.push_back(of_block[block]);
+        ratio_ = common_ratio();
     }
 
     void evaluate(Team& team, const double* position, double* quaternion, const ElementOutputs& outputs) override {
@@ -126,13 +132,39 @@ private:
     void assemble_rows(Team& team, double scale, std::span<const double> shift, const AlignedVector<Real>& record,
                        const AlignedVector<Real>& twist, Real* value, Kernel kernel) {
         SUPPLE_ASSERT(!record.empty());
-        Tet4Assembly<Real> pass;
-        fill_lists(pass, def_, scale, shift);
-        pass.record = record.data();
-        if (!twist.empty()) pass.twist = twist.data();
-        pass.laplacian = laplacian_.data();
-        pass.value = value;
-        team.for_range(def_.pattern.rows(), kAssemblyChunk, [&](std::size_t begin, std::size_t end) { kernel(pass, begin, end); });
+        Tet4Assembly<Real> all;
+        all.record = record.data();
+        if (!twist.empty()) all.twist = twist.data();
+        all.uniform = ratio_.has_value();
+        all.ratio = ratio_.value_or(0);
+        all.diagonal_shift = shift.empty() ? nullptr : shift.data();
+        all.stiffness_scale = scale;
+        all.value = value;
+        team.for_range(def_.pattern.rows(), kAssemblyChunk, [&](std::size_t begin, std::size_t) {
+            const AssemblyOrder::Chunk& chunk = order_.chunks[begin / kAssemblyChunk];
+            Tet4Assembly<Real> pass = all;
+            pass.above = chunk.diagonal - chunk.first;
+            pass.diagonal = chunk.last - chunk.diagonal;
+            pass.block = order_.block.data() + chunk.first;
+            pass.partner = order_.partner.data() + chunk.first;
+            pass.count = order_.count.data() + chunk.first;
+            pass.contribution = order_.contribution.data() + chunk.contribution;
+            pass.laplacian = laplacian_.data() + chunk.first;
+            kernel(pass);
+        });
+    }
+
+    /// lambda / mu where it is the same in all elements that have stiffness.
+    std::optional<double> common_ratio() const {
+        std::optional<double> common;
+        for (std::size_t e = 0; e < set_.rest.elements; ++e) {
+            const double* of_block = moduli_.data() + e / kBlock * 2 * kBlock + e % kBlock;
+            if (!(of_block[kBlock] > 0)) continue;
+            const double ratio = of_block[0] / of_block[kBlock];
+            if (!common) common = ratio;
+            if (!(std::abs(ratio - *common) <= 1e-12 * std::abs(*common))) return {};
+        }
+        return common;
     }
 
     GroupDef def_;
@@ -142,7 +174,9 @@ private:
     PlasticFlow flow_;
     std::optional<NodalVolume> nodal_;
     AlignedVector<double> dilatation_, pressure_;
-    std::vector<double> laplacian_;  ///< [matrix block] sum of mu V g_a.g_b
+    AssemblyOrder order_;
+    std::vector<double> laplacian_;  ///< [block in this order] sum of mu V g_a.g_b
+    std::optional<double> ratio_;    ///< lambda / mu, of all elements
     AlignedVector<float> record_f_, twist_f_;
     AlignedVector<double> record_d_, twist_d_;
     AlignedVector<double> twist_;    ///< exact tangent only
@@ -157,8 +191,10 @@ public:
         def_.project = def.project && is_regularized(first_material(def, materials));
         tangent_.resize(lanes * (is_tensor_law(parameters_.law) ? kTensorTangent : kTangent));
         fibre_tangent_.resize(lanes * parameters_.families * kFibreTangent);
-        if (def.precision == MatrixPrecision::single) block_f_.resize(lanes * kElementBlocks);
-        if (def.precision == MatrixPrecision::double_) block_d_.resize(lanes * kElementBlocks);
+        if (def.precision == MatrixPrecision::none) return;
+        sums_ = make_block_sums(def.pattern, def.contributions, rest_.blocks(), kBlockChunk);
+        if (def.precision == MatrixPrecision::single) place_f_.resize(sums_.places() * 12);
+        if (def.precision == MatrixPrecision::double_) place_d_.resize(sums_.places() * 12);
     }
 
     void evaluate(Team& team, const double* position, double* quaternion, const ElementOutputs& outputs) override {
@@ -178,12 +214,17 @@ public:
         if (outputs.tangent) {
             pass.tangent = tangent_.data();
             pass.fibre_tangent = fibre_tangent_.data();
-            if (!block_f_.empty()) pass.block_f = block_f_.data();
-            if (!block_d_.empty()) pass.block_d = block_d_.data();
         }
         const auto kernel = kernels_.elements[std::size_t(parameters_.law)];
-        if (outputs.force != nullptr) return run_and_sum(team, rest_.blocks(), def_.group->sums, pass, outputs.force, kernel);
-        team.for_range(rest_.blocks(), kBlockChunk, [&](std::size_t begin, std::size_t end) { kernel(pass, begin, end); });
+        const auto with_blocks = [&](const Tet4HyperPass& chunk, std::size_t begin, std::size_t end) {
+            if (!outputs.tangent || def_.precision == MatrixPrecision::none) return kernel(chunk, begin, end);
+            Tet4HyperPass inner = chunk;
+            inner.corner_block = begin;
+            if (!place_f_.empty()) sum_blocks(inner, begin, end, &Tet4HyperPass::block_f, place_f_.data(), kernels_.add_blocks_f);
+            if (!place_d_.empty()) sum_blocks(inner, begin, end, &Tet4HyperPass::block_d, place_d_.data(), kernels_.add_blocks_d);
+        };
+        if (outputs.force != nullptr) return run_and_sum(team, rest_.blocks(), def_.group->sums, pass, outputs.force, with_blocks);
+        team.for_range(rest_.blocks(), kBlockChunk, [&](std::size_t begin, std::size_t end) { with_blocks(pass, begin, end); });
     }
 
     std::optional<Lame> lame(std::size_t) const override { return {}; }
@@ -205,19 +246,43 @@ public:
     }
 
     void assemble(Team& team, double scale, std::span<const double> shift, float* value) override {
-        assemble_rows(team, scale, shift, block_f_, value, kernels_.assemble_f);
+        assemble_rows(team, scale, shift, place_f_, value, kernels_.assemble_f);
     }
     void assemble(Team& team, double scale, std::span<const double> shift, double* value) override {
-        assemble_rows(team, scale, shift, block_d_, value, kernels_.assemble_d);
+        assemble_rows(team, scale, shift, place_d_, value, kernels_.assemble_d);
     }
 
 private:
+    /// Evaluates a chunk of elements and sums their blocks.
+    template <class Real, class Add>
+    void sum_blocks(Tet4HyperPass& pass, std::size_t begin, std::size_t end, Real* Tet4HyperPass::* block, Real* place, Add&& add) {
+        alignas(64) Real of_elements[kBlockChunk * kBlock * kElementBlocks];
+        pass.*block = of_elements;
+        kernels_.elements[std::size_t(parameters_.law)](pass, begin, end);
+        const std::size_t chunk = begin / sums_.chunk, first = sums_.first[chunk], diagonal = sums_.diagonal[chunk], last = sums_.first[chunk + 1];
+        BlockAddition<Real> sum;
+        sum.count = sums_.count.data() + 2 * first;
+        sum.entry = sums_.entry.data() + sums_.first_entry[chunk];
+        sum.places = diagonal - first;
+        sum.from = of_elements;
+        sum.to = place + 12 * first;
+        add(sum);
+        sum.count = sums_.count.data() + 2 * diagonal;
+        sum.entry = sums_.entry.data() + sums_.first_diagonal_entry[chunk];
+        sum.places = last - diagonal;
+        sum.from = place + 12 * first;
+        sum.to = place + 12 * diagonal;
+        add(sum);
+    }
+
     template <class Real, class Kernel>
-    void assemble_rows(Team& team, double scale, std::span<const double> shift, const AlignedVector<Real>& block, Real* value, Kernel kernel) {
-        SUPPLE_ASSERT(!block.empty());
+    void assemble_rows(Team& team, double scale, std::span<const double> shift, const AlignedVector<Real>& place, Real* value, Kernel kernel) {
+        SUPPLE_ASSERT(!place.empty());
         BlockAssembly<Real> pass;
         fill_lists(pass, def_, scale, shift);
-        pass.block = block.data();
+        pass.contribution_start = sums_.start.data();
+        pass.contribution = sums_.place.data();
+        pass.place = place.data();
         pass.value = value;
         team.for_range(def_.pattern.rows(), kAssemblyChunk, [&](std::size_t begin, std::size_t end) { kernel(pass, begin, end); });
     }
@@ -227,8 +292,9 @@ private:
     HyperParameters parameters_;
     const Tet4HyperKernels& kernels_;
     AlignedVector<double> tangent_, fibre_tangent_;
-    AlignedVector<float> block_f_;
-    AlignedVector<double> block_d_;
+    BlockSums sums_;
+    AlignedVector<float> place_f_;   ///< stiffness of the last evaluation, summed: [place][column 0..2][x y z 0]
+    AlignedVector<double> place_d_;
 };
 
 }  // namespace

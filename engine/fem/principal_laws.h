@@ -10,6 +10,7 @@
 #include "supple/material/laws/st_venant_kirchhoff.h"
 #include "supple/material/laws/stable_neo_hookean.h"
 #include "supple/material/laws/veronda_westman.h"
+#include "supple/math/lane_eigen.h"
 #include "supple/math/lane_svd.h"
 
 namespace supple::fem {
@@ -36,20 +37,32 @@ void apply_law(const double* parameter, std::size_t parameters, Principal& e) {
     }
 }
 
-/// Sets negative eigenvalues of d2W/dF2 to zero: the 3x3 of W_ij by its eigenvectors, the six quotients one by one.
-inline void project(Principal& e) {
+/// Sets negative eigenvalues of a symmetric 3x3 to zero.
+[[gnu::noinline]] inline void clamp_eigenvalues(Lanes A[3][3]) {
     const Lanes zero(0.0);
     Matrix H, Q;
     for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j) H.m[i][j] = e.second[i][j];
-    jacobi_eigen(H, Q);
+        for (int j = 0; j < 3; ++j) H.m[i][j] = A[i][j];
+    symmetric_eigen(H, Q);
     const Lanes value[3] = {larger(H.m[0][0], zero), larger(H.m[1][1], zero), larger(H.m[2][2], zero)};
     for (int i = 0; i < 3; ++i) {
         for (int j = i; j < 3; ++j) {
             Lanes sum(0.0);
             for (int k = 0; k < 3; ++k) sum = sum + value[k] * Q.m[i][k] * Q.m[j][k];
-            e.second[i][j] = e.second[j][i] = sum;
+            A[i][j] = A[j][i] = sum;
         }
+    }
+}
+
+/// Sets negative eigenvalues of d2W/dF2 to zero: the 3x3 of W_ij by its eigenvectors, the six quotients one by one.
+inline void project(Principal& e) {
+    const Lanes zero(0.0);
+    const auto& A = e.second;
+    const Lanes minor = A[0][0] * A[1][1] - A[0][1] * A[0][1];
+    const Lanes det = minor * A[2][2] - A[0][0] * A[1][2] * A[1][2] - A[1][1] * A[0][2] * A[0][2] + Lanes(2.0) * A[0][1] * A[1][2] * A[0][2];
+    const LaneMask positive = (A[0][0] > zero) & (minor > zero) & (det > zero);
+    if (any_of(!positive)) clamp_eigenvalues(e.second);  // where all are positive it would change nothing
+    for (int i = 0; i < 3; ++i) {
         e.symmetric[i] = larger(e.symmetric[i], zero);
         e.antisymmetric[i] = larger(e.antisymmetric[i], zero);
     }

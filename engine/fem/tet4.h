@@ -80,17 +80,19 @@ struct Tet4Product {
     std::size_t corner_block = 0;
 };
 
-/// Row range of the stiffness matrix, gathered block by block from element records. Index lists come from solve::Bsr3Pattern.
+/// Blocks of the stiffness matrix, gathered one by one from element records, in the order of an AssemblyOrder: those above the diagonal with their mirrors, then diagonal ones.
 template <class Real>
 struct Tet4Assembly {
-    const std::int32_t* row_start = nullptr;     ///< [row + 1] blocks of a row
-    const std::int32_t* column = nullptr;        ///< [block], ascending in a row
-    const std::int32_t* mirror = nullptr;        ///< [block] index of the transposed block
-    const std::int64_t* contribution_start = nullptr;  ///< [block + 1]; empty ranges below the diagonal
+    std::size_t above = 0, diagonal = 0;         ///< how many
+    const std::uint32_t* block = nullptr;        ///< [above + diagonal] index of the matrix block
+    const std::uint32_t* partner = nullptr;      ///< [above + diagonal] index of the transposed block; of diagonal blocks the row
+    const std::uint16_t* count = nullptr;        ///< [above + diagonal] contributions
     const std::uint32_t* contribution = nullptr; ///< element * 16 + corner_of_row * 4 + corner_of_column
+    const double* laplacian = nullptr;           ///< [above + diagonal] sum of mu V g_a.g_b [N/m]
     const Real* record = nullptr;
     const Real* twist = nullptr;                 ///< twist records (Tet4Pass), or null
-    const double* laplacian = nullptr;           ///< [block] sum of mu V g_a.g_b [N/m]
+    bool uniform = false;                        ///< lambda / mu of all elements is `ratio`
+    double ratio = 0;
     const double* diagonal_shift = nullptr;      ///< [row] added to the diagonal: (1 + h alpha) m; null: all is added to what `value` holds
     double stiffness_scale = 1;                  ///< h^2 + h beta
     Real* value = nullptr;                       ///< out [block][column 0..2][x y z 0]
@@ -106,9 +108,8 @@ struct Tet4Kernels {
     /// Plastic flow; frames rest, large, polar, svd.
     void (*flow[kFrames])(const Tet4Flow& pass, std::size_t begin, std::size_t end);
     void (*product)(const Tet4Product& pass, std::size_t begin, std::size_t end);
-    /// Blocks (i, j >= i) of the rows i in [begin, end) and their mirrors.
-    void (*assemble_f)(const Tet4Assembly<float>& pass, std::size_t begin, std::size_t end);
-    void (*assemble_d)(const Tet4Assembly<double>& pass, std::size_t begin, std::size_t end);
+    void (*assemble_f)(const Tet4Assembly<float>& pass);
+    void (*assemble_d)(const Tet4Assembly<double>& pass);
 };
 
 /// Kernels of one instruction set; it must be supported (math/isa.h).

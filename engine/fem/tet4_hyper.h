@@ -17,8 +17,8 @@ inline constexpr std::size_t kTensorTangent = 45;
 inline constexpr std::size_t kFibre = 5;
 inline constexpr std::size_t kFibreTangent = 6;
 
-/// An element's stiffness: its ten 3x3 blocks (a, b >= a), (0,0) (0,1) .. (3,3), each in columns [x y z 0].
-inline constexpr std::size_t kElementBlocks = 120;
+/// An element's stiffness: its 3x3 blocks of pairs of corners (0,1) (0,2) (0,3) (1,2) (1,3) (2,3), each in columns [x y z 0]. The rows of the whole sum to zero.
+inline constexpr std::size_t kElementPairs = 6, kElementBlocks = 12 * kElementPairs;
 
 struct Tet4HyperPass {
     const std::int32_t* vertex = nullptr;
@@ -37,7 +37,7 @@ struct Tet4HyperPass {
     std::size_t corner_block = 0;
     double* tangent = nullptr;              ///< out [block][kTangent or kTensorTangent][lane]
     double* fibre_tangent = nullptr;        ///< out [block][family][kFibreTangent][lane], needs tangent
-    float* block_f = nullptr;               ///< out [element][kElementBlocks], needs tangent
+    float* block_f = nullptr;               ///< out [element][kElementBlocks] from the first element of corner_block on, needs tangent
     double* block_d = nullptr;
     double* energy = nullptr;
     double* stress = nullptr;
@@ -58,15 +58,25 @@ struct Tet4HyperProduct {
     std::size_t corner_block = 0;
 };
 
-/// As Tet4Assembly, from element blocks.
+/// Blocks summed: each the sum of `count[0]` of those at `entry` and of the transposes of the next `count[1]`.
+template <class Real>
+struct BlockAddition {
+    const std::uint16_t* count = nullptr;   ///< [place][2]
+    const std::uint16_t* entry = nullptr;
+    std::size_t places = 0;
+    const Real* from = nullptr;             ///< [..][column 0..2][x y z 0]
+    Real* to = nullptr;                     ///< [place][column 0..2][x y z 0]
+};
+
+/// As Tet4Assembly, from blocks of places (BlockSums).
 template <class Real>
 struct BlockAssembly {
     const std::int32_t* row_start = nullptr;
     const std::int32_t* column = nullptr;
     const std::int32_t* mirror = nullptr;
     const std::int64_t* contribution_start = nullptr;
-    const std::uint32_t* contribution = nullptr;
-    const Real* block = nullptr;
+    const std::uint32_t* contribution = nullptr;  ///< a place
+    const Real* place = nullptr;                  ///< [place][column 0..2][x y z 0]
     const double* diagonal_shift = nullptr;
     double stiffness_scale = 1;
     Real* value = nullptr;
@@ -76,6 +86,8 @@ struct Tet4HyperKernels {
     void (*elements[kLaws])(const Tet4HyperPass& pass, std::size_t begin, std::size_t end);
     void (*product)(const Tet4HyperProduct& pass, std::size_t begin, std::size_t end);
     void (*product_tensor)(const Tet4HyperProduct& pass, std::size_t begin, std::size_t end);
+    void (*add_blocks_f)(const BlockAddition<float>& pass);
+    void (*add_blocks_d)(const BlockAddition<double>& pass);
     void (*assemble_f)(const BlockAssembly<float>& pass, std::size_t begin, std::size_t end);
     void (*assemble_d)(const BlockAssembly<double>& pass, std::size_t begin, std::size_t end);
 };

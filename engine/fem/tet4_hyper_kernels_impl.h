@@ -15,8 +15,9 @@
 #include "supple/material/laws/costa.h"
 #include "supple/material/laws/fibres.h"
 #include "supple/material/laws/tensor_inversion.h"
+#include "supple/math/lane_eigen.h"
 #include "supple/math/lane_polar.h"
-#include "supple/math/lane_svd.h"
+#include "supple/math/lanes4.h"
 
 namespace supple::fem {
 inline namespace SUPPLE_ISA {
@@ -49,7 +50,7 @@ struct Kinematics {
     Matrix S = transposed_product(R, k.F);
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < i; ++j) S.m[i][j] = S.m[j][i] = Lanes(0.5) * (S.m[i][j] + S.m[j][i]);
-    jacobi_eigen(S, k.V);
+    symmetric_eigen(S, k.V);
     k.U = R * k.V;
     for (int i = 0; i < 3; ++i) k.s[i] = S.m[i][i];
     return k;
@@ -99,22 +100,27 @@ struct Response {
     }
 }
 
-/// Stores a tangent, and the blocks of the matrix made from it.
-template <class Tangent>
-void store_tangent(const Tet4HyperPass& pass, std::size_t at, const Tangent& t, const Kinematics& k) {
+/// The blocks of the matrix that a tangent gives the elements in the lanes.
+template <class T, class Real, class Tangent>
+void make_blocks(const Tet4HyperPass& pass, std::size_t at, const Tangent& t, const Kinematics& k, Real* out) {
     const std::size_t block = at / kBlock, lane = at % kBlock;
-    double* tangent = pass.tangent + block * Tangent::kNumbers * kBlock + lane;
-    for_each_number(t, [&](int i, const Lanes& value) { store(tangent + std::size_t(i) * kBlock, value); });
-    if (pass.block_f == nullptr && pass.block_d == nullptr) return;
-    ElementStiffness stiffness;
+    ElementStiffness<T> stiffness;
     inner_blocks(t, k.g, k.volume, stiffness.K);
     for (std::size_t family = 0; family < pass.families; ++family) {
         add_fibre_blocks(pass.fibre + (block * pass.families + family) * kFibre * kBlock + lane,
                          pass.fibre_tangent + (block * pass.families + family) * kFibreTangent * kBlock + lane, k.g, k.volume, stiffness.K);
     }
     outer_blocks(stiffness.K);
-    if (pass.block_f != nullptr) store_blocks(stiffness, pass.block_f + at * kElementBlocks);
-    if (pass.block_d != nullptr) store_blocks(stiffness, pass.block_d + at * kElementBlocks);
+    store_blocks(stiffness, out + (at - pass.corner_block * kBlock) * kElementBlocks);
+}
+
+/// Stores a tangent, and the blocks of the matrix made from it.
+template <class Tangent>
+void store_tangent(const Tet4HyperPass& pass, std::size_t at, const Tangent& t, const Kinematics& k) {
+    double* tangent = pass.tangent + at / kBlock * Tangent::kNumbers * kBlock + at % kBlock;
+    for_each_number(t, [&](int i, const Lanes& value) { store(tangent + std::size_t(i) * kBlock, value); });
+    if (pass.block_f != nullptr) make_blocks<Floats>(pass, at, t, k, pass.block_f);
+    if (pass.block_d != nullptr) make_blocks<Lanes>(pass, at, t, k, pass.block_d);
 }
 
 [[gnu::noinline]] void finish_principal(const Tet4HyperPass& pass, std::size_t at, const Kinematics& k, Principal& e) {
@@ -180,42 +186,38 @@ void product(const Tet4HyperProduct& pass, std::size_t begin, std::size_t end) {
     }
 }
 
-/// Place of block (a, b), a <= b, among the ten of an element.
-inline constexpr std::uint8_t kPlace[16] = {0, 1, 2, 3, 1, 4, 5, 6, 2, 5, 7, 8, 3, 6, 8, 9};
+template <class Real>
+void add_blocks(const BlockAddition<Real>& pass) {
+    const std::uint16_t* entry = pass.entry;
+    for (std::size_t place = 0; place < pass.places; ++place) {
+        const std::uint16_t* const plain = entry + pass.count[2 * place];
+        const std::uint16_t* const turned = plain + pass.count[2 * place + 1];
+        Block3<Real> sum, transposed;
+        for (; entry != plain; ++entry) sum.add(pass.from + std::size_t(*entry) * 12);
+        for (; entry != turned; ++entry) transposed.add(pass.from + std::size_t(*entry) * 12);
+        sum.add(transposed.transposed());
+        sum.store(pass.to + place * 12);
+    }
+}
 
 template <class Real>
 void assemble(const BlockAssembly<Real>& pass, std::size_t begin, std::size_t end) {
-    using R4 = FourOf<Real>;
+    const Real scale = Real(pass.stiffness_scale);
     for (std::size_t row = begin; row < end; ++row) {
         for (std::int32_t block = pass.row_start[row]; block < pass.row_start[row + 1]; ++block) {
             const std::size_t column = std::size_t(pass.column[block]);
-            if (column < row) continue;
+            if (column < row) continue;  // written as a mirror
             const bool add = pass.diagonal_shift == nullptr;
             if (add && pass.contribution_start[block] == pass.contribution_start[block + 1]) continue;
-            R4 c[3] = {{0, 0, 0, 0}, {0, 0, 0, 0}, {0, 0, 0, 0}}, t[3] = {c[0], c[0], c[0]};
-            for (std::int64_t i = pass.contribution_start[block]; i < pass.contribution_start[block + 1]; ++i) {
-                const std::uint32_t pair = pass.contribution[i];
-                const Real* k = pass.block + std::size_t(pair >> 4) * kElementBlocks + std::size_t(kPlace[pair & 15u]) * 12;
-                R4* to = ((pair >> 2) & 3u) <= (pair & 3u) ? c : t;  // t gathers what is stored as the other triangle
-                for (int j = 0; j < 3; ++j) to[j] += load4(k + 4 * j);
-            }
-            const Real scale = Real(pass.stiffness_scale);
-            Real m[3][3];
-            for (int i = 0; i < 3; ++i)
-                for (int j = 0; j < 3; ++j) m[i][j] = scale * (c[j][i] + t[i][j]);
-            if (column == row && !add) {
-                for (int i = 0; i < 3; ++i) m[i][i] += Real(pass.diagonal_shift[row]);
-            }
+            Block3<Real> sum;
+            for (std::int64_t i = pass.contribution_start[block]; i < pass.contribution_start[block + 1]; ++i) sum.add(pass.place + std::size_t(pass.contribution[i]) * 12);
+            if (column == row) sum.add(sum.transposed());
+            sum.scale(column == row ? Real(-0.5) * scale : scale);
+            if (column == row && !add) sum.add_to_diagonal(Real(pass.diagonal_shift[row]));
             Real* value = pass.value + std::size_t(block) * 12;
-            if (add) {
-                for (int i = 0; i < 3; ++i)
-                    for (int j = 0; j < 3; ++j) m[i][j] += value[4 * j + i];
-            }
-            Real* mirror = pass.value + std::size_t(pass.mirror[block]) * 12;
-            for (int j = 0; j < 3; ++j) {
-                if (column != row) store4(mirror + 4 * j, R4{m[j][0], m[j][1], m[j][2], 0});
-                store4(value + 4 * j, R4{m[0][j], m[1][j], m[2][j], 0});
-            }
+            if (add) sum.add(value);
+            sum.store(value);
+            if (column != row) sum.transposed().store(pass.value + std::size_t(pass.mirror[block]) * 12);
         }
     }
 }
@@ -225,6 +227,8 @@ inline constexpr Tet4HyperKernels kHyperKernels{
      elements<Law::arruda_boyce>, elements<Law::veronda_westman>, elements<Law::ogden>, elements<Law::costa>},
     product<PrincipalTangent>,
     product<TensorTangent>,
+    add_blocks<float>,
+    add_blocks<double>,
     assemble<float>,
     assemble<double>};
 

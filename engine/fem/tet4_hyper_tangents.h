@@ -8,8 +8,9 @@ namespace supple::fem {
 inline namespace SUPPLE_ISA {
 namespace {
 
-inline Matrix times_transposed(const Matrix& A, const Matrix& B) {  // A B^T
-    Matrix C;
+template <class T>
+inline M3<T> times_transposed(const M3<T>& A, const M3<T>& B) {  // A B^T
+    M3<T> C;
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j) C.m[i][j] = A.m[i][0] * B.m[j][0] + A.m[i][1] * B.m[j][1] + A.m[i][2] * B.m[j][2];
     return C;
@@ -128,9 +129,25 @@ inline Tangent load_tangent(const Tet4HyperProduct& pass, std::size_t at) {
 
 // -- stiffness blocks ---------------------------------------------------------------------------------
 
+/// Blocks for a float32 matrix are made of floats, as far as they hold no differences of large numbers: T is Lanes or Floats.
+template <class T>
 struct ElementStiffness {
-    Matrix K[4][4];  ///< a <= b
+    M3<T> K[4][4];  ///< a < b, and those (a, a) of the corners 1 to 3
 };
+
+inline void convert(const Lanes& from, Lanes& to) { to = from; }
+inline void convert(const Lanes& from, Floats& to) { to = to_floats(from); }
+template <class T>
+inline void convert(const Matrix& from, M3<T>& to) {
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) convert(from.m[i][j], to.m[i][j]);
+}
+template <class T>
+inline void convert(const Vector& from, V3<T>& to) {
+    convert(from.x, to.x);
+    convert(from.y, to.y);
+    convert(from.z, to.z);
+}
 
 /// A^T v
 inline Vector transposed_times(const Matrix& A, const Vector& v) {
@@ -139,40 +156,65 @@ inline Vector transposed_times(const Matrix& A, const Vector& v) {
 }
 
 /// Blocks of the corners 1 to 3, times the volume.
-inline void inner_blocks(const PrincipalTangent& t, const Vector g[3], Lanes volume, Matrix K[4][4]) {
-    Lanes h[3][3];  // g~ = V^T g
+template <class T>
+inline void inner_blocks(const PrincipalTangent& t, const Vector g[3], Lanes volume, M3<T> K[4][4]) {
+    T h[3][3], H[3][3], p[3][3], q[3][3];  // h = V^T g; the others times the volume
     for (int a = 0; a < 3; ++a) {
         const Vector v = transposed_times(t.V, g[a]);
-        h[a][0] = v.x;
-        h[a][1] = v.y;
-        h[a][2] = v.z;
+        convert(v.x, h[a][0]);
+        convert(v.y, h[a][1]);
+        convert(v.z, h[a][2]);
     }
+    for (int i = 0; i < 3; ++i) {
+        for (int j = i; j < 3; ++j) {
+            convert(volume * t.H[i][j], H[i][j]);
+            H[j][i] = H[i][j];
+            if (i == j) continue;
+            convert(volume * t.p[i][j], p[i][j]);
+            convert(volume * t.q[i][j], q[i][j]);
+            p[j][i] = p[i][j];
+            q[j][i] = q[i][j];
+        }
+    }
+    M3<T> U;
+    convert(t.U, U);
     for (int a = 0; a < 3; ++a) {
         for (int b = a; b < 3; ++b) {
-            Matrix X;
+            M3<T> X;
             for (int i = 0; i < 3; ++i) {
-                Lanes diagonal = t.H[i][i] * h[a][i] * h[b][i];
+                X.m[i][i] = H[i][i] * h[a][i] * h[b][i];
                 for (int j = 0; j < 3; ++j) {
                     if (j == i) continue;
-                    diagonal = diagonal + t.p[i][j] * h[a][j] * h[b][j];
-                    X.m[i][j] = volume * (t.H[i][j] * h[a][i] * h[b][j] + t.q[i][j] * h[a][j] * h[b][i]);
+                    X.m[i][i] = X.m[i][i] + p[i][j] * h[a][j] * h[b][j];
+                    X.m[i][j] = H[i][j] * h[a][i] * h[b][j] + q[i][j] * h[a][j] * h[b][i];
                 }
-                X.m[i][i] = volume * diagonal;
             }
-            K[a + 1][b + 1] = times_transposed(t.U * X, t.U);
+            K[a + 1][b + 1] = times_transposed(U * X, U);
         }
     }
 }
 
 /// K_ab,ik = V g_aJ C_iJkL g_bL
-inline void inner_blocks(const TensorTangent& t, const Vector g[3], Lanes volume, Matrix K[4][4]) {
+template <class T>
+inline void inner_blocks(const TensorTangent& t, const Vector g[3], Lanes volume, M3<T> K[4][4]) {
+    T C[9][9];
+    for (int i = 0; i < 9; ++i) {
+        for (int j = i; j < 9; ++j) {
+            convert(t.C[i][j], C[i][j]);
+            C[j][i] = C[i][j];
+        }
+    }
+    V3<T> turned[3];
+    for (int a = 0; a < 3; ++a) convert(transposed_times(t.Q0, g[a]), turned[a]);
+    T V;
+    convert(volume, V);
     for (int b = 0; b < 3; ++b) {
-        const Vector gb = volume * transposed_times(t.Q0, g[b]);
-        Lanes Cg[9][3];  // sum over L, of (iJ, k)
+        const V3<T> gb = V * turned[b];
+        T Cg[9][3];  // sum over L, of (iJ, k)
         for (int r = 0; r < 9; ++r)
-            for (int k = 0; k < 3; ++k) Cg[r][k] = t.C[r][3 * k] * gb.x + t.C[r][3 * k + 1] * gb.y + t.C[r][3 * k + 2] * gb.z;
+            for (int k = 0; k < 3; ++k) Cg[r][k] = C[r][3 * k] * gb.x + C[r][3 * k + 1] * gb.y + C[r][3 * k + 2] * gb.z;
         for (int a = 0; a <= b; ++a) {
-            const Vector ga = transposed_times(t.Q0, g[a]);
+            const V3<T>& ga = turned[a];
             for (int i = 0; i < 3; ++i)
                 for (int k = 0; k < 3; ++k) K[a + 1][b + 1].m[i][k] = ga.x * Cg[3 * i][k] + ga.y * Cg[3 * i + 1][k] + ga.z * Cg[3 * i + 2][k];
         }
@@ -187,13 +229,16 @@ inline Matrix load_fibre_tangent(const double* fibre_tangent) {
 inline Vector load_direction(const double* fibre) { return {load(fibre + 2 * kBlock), load(fibre + 3 * kBlock), load(fibre + 4 * kBlock)}; }
 
 /// K_ab += V (f.g_a) (f.g_b) M
-inline void add_fibre_blocks(const double* fibre, const double* fibre_tangent, const Vector g[3], Lanes volume, Matrix K[4][4]) {
-    const Matrix M = load_fibre_tangent(fibre_tangent);
+template <class T>
+inline void add_fibre_blocks(const double* fibre, const double* fibre_tangent, const Vector g[3], Lanes volume, M3<T> K[4][4]) {
+    M3<T> M;
+    convert(load_fibre_tangent(fibre_tangent), M);
     const Vector f = load_direction(fibre);
     const Lanes h[3] = {dot(f, g[0]), dot(f, g[1]), dot(f, g[2])};
     for (int a = 0; a < 3; ++a) {
         for (int b = a; b < 3; ++b) {
-            const Lanes w = volume * h[a] * h[b];
+            T w;
+            convert(volume * h[a] * h[b], w);
             for (int i = 0; i < 3; ++i)
                 for (int j = 0; j < 3; ++j) K[a + 1][b + 1].m[i][j] = K[a + 1][b + 1].m[i][j] + w * M.m[i][j];
         }
@@ -208,32 +253,25 @@ inline void add_fibre_product(const double* fibre, const double* fibre_tangent, 
         for (int j = 0; j < 3; ++j) dP.m[i][j] = dP.m[i][j] + traction[i] * direction[j];
 }
 
-/// Corner 0: a rigid shift makes no force, so rows and columns sum to zero.
-inline void outer_blocks(Matrix K[4][4]) {
-    const Lanes zero(0.0);
+/// Corner 0 of the pairs: a rigid shift makes no force, so columns sum to zero.
+template <class T>
+inline void outer_blocks(M3<T> K[4][4]) {
     const auto entry = [&](int a, int b, int i, int j) { return a <= b ? K[a][b].m[i][j] : K[b][a].m[j][i]; };
     for (int b = 1; b < 4; ++b)
         for (int i = 0; i < 3; ++i)
-            for (int j = 0; j < 3; ++j) K[0][b].m[i][j] = zero - (entry(1, b, i, j) + entry(2, b, i, j) + entry(3, b, i, j));
-    for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j) K[0][0].m[i][j] = zero - (K[0][1].m[i][j] + K[0][2].m[i][j] + K[0][3].m[i][j]);
+            for (int j = 0; j < 3; ++j) K[0][b].m[i][j] = -(entry(1, b, i, j) + entry(2, b, i, j) + entry(3, b, i, j));
 }
 
-/// Lane by lane: the ten blocks in columns [x y z 0].
-template <class Real>
-inline void store_blocks(const ElementStiffness& stiffness, Real* out) {
+/// Lane by lane: the blocks of the six pairs in columns [x y z 0].
+template <class Real, class T>
+inline void store_blocks(const ElementStiffness<T>& stiffness, Real* out) {
+    T zero;
+    convert(Lanes(0.0), zero);
     int place = 0;
     for (int a = 0; a < 4; ++a) {
-        for (int b = a; b < 4; ++b, ++place) {
-            alignas(64) double s[9][kLanes];
-            for (int i = 0; i < 9; ++i) store(s[i], stiffness.K[a][b].m[i / 3][i % 3]);
-            for (int lane = 0; lane < kLanes; ++lane) {
-                Real* to = out + std::size_t(lane) * kElementBlocks + std::size_t(place) * 12;
-                for (int c = 0; c < 3; ++c) {
-                    for (int i = 0; i < 3; ++i) to[4 * c + i] = Real(s[3 * i + c][lane]);
-                    to[4 * c + 3] = Real(0);
-                }
-            }
+        for (int b = a + 1; b < 4; ++b, ++place) {
+            const M3<T>& K = stiffness.K[a][b];
+            for (int c = 0; c < 3; ++c) store_points(out + 12 * place + 4 * c, kElementBlocks, K.m[0][c], K.m[1][c], K.m[2][c], zero);
         }
     }
 }

@@ -8,7 +8,7 @@
 ///     K_ab (R held) = V (lambda g'_a g'_b^T + mu g'_b g'_a^T + mu (g_a.g_b) I),   g' = R g
 /// With plastic strain e_p, e is sym(R^T F) - I - e_p.
 ///
-/// With r_a = sqrt(mu V) g'_a the first two terms are (lambda/mu) r_a r_b^T + r_b r_a^T: what assemble() sums.
+/// With r_a = sqrt(mu V) g'_a the first two terms are (lambda/mu) r_a r_b^T + r_b r_a^T: what assemble() sums. Where lambda/mu is the same everywhere, one sum of r_a r_b^T gives both.
 ///
 /// The derivative of the polar factor R adds a stiffness to the twist of F alone. With S = R^T F, G = R^T dF, skew(G) = [w]x and dR = R [r]x:
 ///     (tr(S) I - S) r = 2 w,      R^T dP = mu (G + G^T) + lambda tr(G) I + [T w]x,
@@ -201,60 +201,66 @@ inline void product(const Tet4Product& pass, std::size_t begin, std::size_t end)
     }
 }
 
-template <class Real>
-inline void assemble(const Tet4Assembly<Real>& pass, std::size_t begin, std::size_t end) {
-    using R4 = FourOf<Real>;
-    const R4 xyz = {Real(1), Real(1), Real(1), Real(0)};
-    const Real scale = Real(pass.stiffness_scale);
-    for (std::size_t row = begin; row < end; ++row) {
-        for (std::int32_t block = pass.row_start[row]; block < pass.row_start[row + 1]; ++block) {
-            const std::size_t column = std::size_t(pass.column[block]);
-            if (column < row) continue;  // written as a mirror
-            const bool add = pass.diagonal_shift == nullptr;
-            if (add && pass.contribution_start[block] == pass.contribution_start[block + 1]) continue;
-            const Real shift = Real(pass.stiffness_scale * pass.laplacian[block] + (column == row && !add ? pass.diagonal_shift[row] : 0.0));
-            PairSum<Real> sum;
-            const std::uint32_t* const first = pass.contribution + pass.contribution_start[block];
-            const std::uint32_t* const last = pass.contribution + pass.contribution_start[block + 1];
-            for (const std::uint32_t* entry = first; entry != last; ++entry) {
-                const Real* record = pass.record + std::size_t(*entry >> 4) * kRecord;
-                sum.add(record + (*entry & 12u), record + (*entry & 3u) * 4, record[3]);
-            }
-            R4 c[3];
-            sum.columns(c);
-            R4 &c0 = c[0], &c1 = c[1], &c2 = c[2];
-            if (pass.twist != nullptr) {
-                for (const std::uint32_t* entry = first; entry != last; ++entry) {
-                    const Real* record = pass.record + std::size_t(*entry >> 4) * kRecord;
-                    const R4 a = load4(record + (*entry & 12u)), b = load4(record + (*entry & 3u) * 4);
-                    const Real* X = pass.twist + std::size_t(*entry >> 4) * kTwistRecord;
-                    const R4 x[3] = {{X[0], X[3], X[5], 0}, {X[3], X[1], X[4], 0}, {X[5], X[4], X[2], 0}};
-                    add_twist(x, a, b, c);
-                }
-            }
-            c0 *= xyz * scale;
-            c1 *= xyz * scale;
-            c2 *= xyz * scale;
-            c0[0] += shift;
-            c1[1] += shift;
-            c2[2] += shift;
-            Real* value = pass.value + std::size_t(block) * 12;
-            if (add) {
-                c0 += load4(value);
-                c1 += load4(value + 4);
-                c2 += load4(value + 8);
-            }
-            store4(value, c0);
-            store4(value + 4, c1);
-            store4(value + 8, c2);
-            if (column != row) {
-                Real* mirror = pass.value + std::size_t(pass.mirror[block]) * 12;
-                store4(mirror, R4{c0[0], c1[0], c2[0], 0});
-                store4(mirror + 4, R4{c0[1], c1[1], c2[1], 0});
-                store4(mirror + 8, R4{c0[2], c1[2], c2[2], 0});
-            }
+/// The sum of the contributions of a block.
+template <bool uniform, class Real>
+inline Block3<Real> sum_pairs(const Tet4Assembly<Real>& pass, const std::uint32_t* first, const std::uint32_t* last) {
+    if constexpr (uniform) {
+        DyadSum<Real> sum;
+        for (const std::uint32_t* entry = first; entry != last; ++entry) {
+            const Real* record = pass.record + std::size_t(*entry >> 4) * kRecord;
+            sum.add(record + (*entry & 12u), record + (*entry & 3u) * 4);
         }
+        Block3<Real> block = sum.block();
+        const Block3<Real> back = block.transposed();
+        block.scale(Real(pass.ratio));
+        block.add(back);
+        return block;
+    } else {
+        PairSum<Real> sum;
+        for (const std::uint32_t* entry = first; entry != last; ++entry) {
+            const Real* record = pass.record + std::size_t(*entry >> 4) * kRecord;
+            sum.add(record + (*entry & 12u), record + (*entry & 3u) * 4, record[3]);
+        }
+        return sum.block();
     }
+}
+
+template <bool uniform, class Real>
+inline void assemble_blocks(const Tet4Assembly<Real>& pass) {
+    using R4 = FourOf<Real>;
+    const bool add = pass.diagonal_shift == nullptr;
+    const std::uint32_t* next = pass.contribution;
+    for (std::size_t i = 0; i < pass.above + pass.diagonal; ++i) {
+        const std::uint32_t* const first = next;
+        next += pass.count[i];
+        if (add && first == next) continue;
+        Block3<Real> sum = sum_pairs<uniform>(pass, first, next);
+        if (pass.twist != nullptr) {
+            R4 column[3] = {{0, 0, 0, 0}, {0, 0, 0, 0}, {0, 0, 0, 0}};
+            for (const std::uint32_t* entry = first; entry != next; ++entry) {
+                const Real* record = pass.record + std::size_t(*entry >> 4) * kRecord;
+                const R4 a = load4(record + (*entry & 12u)), b = load4(record + (*entry & 3u) * 4);
+                const Real* X = pass.twist + std::size_t(*entry >> 4) * kTwistRecord;
+                const R4 x[3] = {{X[0], X[3], X[5], 0}, {X[3], X[1], X[4], 0}, {X[5], X[4], X[2], 0}};
+                add_twist(x, a, b, column);
+            }
+            alignas(64) Real twist[12];
+            for (int c = 0; c < 3; ++c) store4(twist + 4 * c, column[c]);
+            sum.add(twist);
+        }
+        sum.scale(Real(pass.stiffness_scale));
+        const bool on_diagonal = i >= pass.above;
+        sum.add_to_diagonal(Real(pass.stiffness_scale * pass.laplacian[i] + (on_diagonal && !add ? pass.diagonal_shift[pass.partner[i]] : 0.0)));
+        Real* value = pass.value + std::size_t(pass.block[i]) * 12;
+        if (add) sum.add(value);
+        sum.store(value);
+        if (!on_diagonal) sum.transposed().store(pass.value + std::size_t(pass.partner[i]) * 12);
+    }
+}
+
+template <class Real>
+void assemble(const Tet4Assembly<Real>& pass) {
+    return pass.uniform ? assemble_blocks<true>(pass) : assemble_blocks<false>(pass);
 }
 
 inline constexpr Tet4Kernels kKernels{{elements<Frame::rest>, elements<Frame::large>, elements<Frame::polar>, elements<Frame::svd>},

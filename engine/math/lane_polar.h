@@ -11,13 +11,18 @@
 ///
 /// A half turn away a vanishes at a minimum or a saddle, and near one the turns are short: Newton may creep or stand still there. Lanes that have not
 /// come to a maximum (H positive definite) are started again from the dominant eigenvector of the quadratic form, which knows no bad starts.
+///
+/// Near the answer no turns are needed at all (near_turn): in the frame of the start the quadratic form is [tr G, a^T; a, 2 S - tr(G) I], its greatest eigenvalue
+/// tr G + d with d small, and the rest of the eigenvector (1, t) follows from (M + d I) t = a, M = 2 H. What remains is a quartic for d,
+///     d det(M + d I) = a . adj(M + d I) a,
+/// whose coefficients lose no digits by cancellation however small the turn is; from d = 0 three turns of Newton's leave d no error that counts.
 #include "supple/math/lane_mat3.h"
 
 namespace supple {
 inline namespace SUPPLE_ISA {
 namespace {
 
-inline constexpr int kMaxPolarTurns = 12;      ///< warm starts need one to three
+inline constexpr int kMaxPolarTurns = 12;
 inline constexpr int kMaxPolishTurns = 20;     ///< after a fresh start; nearly degenerate maxima are flat
 inline constexpr int kPolarSquarings = 22;     ///< the ratio of two eigenvalues to the power of four million
 
@@ -126,24 +131,71 @@ template <class T>
     }
 }
 
-/// @param F  deformation gradient, any determinant, zero allowed
-/// @param q  in: unit quaternion to start from; out: that of R. Finite and unit for any finite F.
-/// @return   R
+/// The answer from a start that is near it: up to about 8 degrees away where no two stretches nearly cancel.
+/// @param R  in: rotation_matrix(q)
+/// @return   the lanes for which that holds; the others are left with numbers of no meaning
 template <class T>
-inline M3<T> polar_rotation(const M3<T>& F, Quat<T>& q) {
+inline LaneMask near_turn(const M3<T>& F, Quat<T>& q, M3<T>& R) {
+    const T one(1.0), zero(0.0), two(2.0), three(3.0);
+    const M3<T> G = transposed_product(R, F);
+    const V3<T> a{G.m[2][1] - G.m[1][2], G.m[0][2] - G.m[2][0], G.m[1][0] - G.m[0][1]};
+    const T m00 = two * (G.m[1][1] + G.m[2][2]), m11 = two * (G.m[0][0] + G.m[2][2]), m22 = two * (G.m[0][0] + G.m[1][1]);
+    const T m01 = zero - (G.m[0][1] + G.m[1][0]), m02 = zero - (G.m[0][2] + G.m[2][0]), m12 = zero - (G.m[1][2] + G.m[2][1]);
+    const T c00 = m11 * m22 - m12 * m12, c01 = m02 * m12 - m01 * m22, c02 = m01 * m12 - m02 * m11;
+    const T c11 = m00 * m22 - m02 * m02, c12 = m01 * m02 - m00 * m12, c22 = m00 * m11 - m01 * m01;
+    // det(M + d I) = d0 + d1 d + d2 d^2 + d^3;  adj(M + d I) a = adj a + d linear + d^2 a
+    const T d0 = m00 * c00 + m01 * c01 + m02 * c02, d1 = c00 + c11 + c22, d2 = m00 + m11 + m22;
+    const V3<T> adj{c00 * a.x + c01 * a.y + c02 * a.z, c01 * a.x + c11 * a.y + c12 * a.z, c02 * a.x + c12 * a.y + c22 * a.z};
+    const V3<T> linear{(m11 + m22) * a.x - m01 * a.y - m02 * a.z, (m00 + m22) * a.y - m01 * a.x - m12 * a.z, (m00 + m11) * a.z - m02 * a.x - m12 * a.y};
+    // d^4 + d2 d^3 + p2 d^2 + p1 d - p0 = 0
+    const T p0 = dot(a, adj), p1 = d0 - dot(a, linear), p2 = d1 - dot(a, a);
+    T d = p0 / p1;
+    // M is positive definite where its three invariants are positive, by a margin; then this is the greatest eigenvalue. d d1 / p1 is about three times the square of t: Newton's
+    // errors relative to d are its third and seventh power. d2 is within bounds whose sixth power is a number.
+    const LaneMask sure = (d2 > T(1e-20)) & (d2 < T(1e20)) & (d1 > zero) & (p1 > zero) & (d0 > T(1e-4) * (d2 * d2 * d2)) & (d * d1 < T(0.02) * p1);
+    for (int turn = 0; turn < 2; ++turn) {
+        const T value = (((d + d2) * d + p2) * d + p1) * d - p0, slope = ((T(4.0) * d + three * d2) * d + two * p2) * d + p1;
+        d = d - value / slope;
+    }
+    const T s = ((d + d2) * d + d1) * d + d0;
+    const V3<T> t = adj + d * (linear + d * a);
+    const Quat<T> p{q.w * s - q.x * t.x - q.y * t.y - q.z * t.z, q.x * s + q.w * t.x + q.y * t.z - q.z * t.y,
+                    q.y * s + q.w * t.y + q.z * t.x - q.x * t.z, q.z * s + q.w * t.z + q.x * t.y - q.y * t.x};
+    const T inv = one / root(p.w * p.w + p.x * p.x + p.y * p.y + p.z * p.z);
+    q = {inv * p.w, inv * p.x, inv * p.y, inv * p.z};
+    R = rotation_matrix(q);
+    return sure;
+}
+
+/// The answer from any start.
+template <class T>
+[[gnu::noinline]] void far_turn(const M3<T>& F, Quat<T>& q, M3<T>& R) {
     const T tiny(1e-150), one(1.0);
     const T inv_norm = one / larger(root(inner_product(F, F)), tiny);
     M3<T> A;  // F / |F|: all thresholds are relative
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j) A.m[i][j] = inv_norm * F.m[i][j];
 
-    M3<T> R = rotation_matrix(q);
+    R = rotation_matrix(q);
     LaneMask moving, arrived;
     for (int turn = 0; turn < kMaxPolarTurns; ++turn) {
         arrived = polar_turn(A, q, R, moving);
         if (!any_of(moving)) break;
     }
     if (any_of(!arrived)) finish_polar(A, q, R, arrived);
+}
+
+/// @param F  deformation gradient, any determinant, zero allowed
+/// @param q  in: unit quaternion to start from; out: that of R. Finite and unit for any finite F.
+/// @return   R
+template <class T>
+inline M3<T> polar_rotation(const M3<T>& F, Quat<T>& q) {
+    const Quat<T> start = q;
+    M3<T> R = rotation_matrix(q);
+    if (any_of(!near_turn(F, q, R))) {
+        q = start;
+        far_turn(F, q, R);
+    }
     return R;
 }
 

@@ -45,13 +45,14 @@ inline void store_points(double* out, std::size_t stride, const Lanes& x, const 
         _mm256_store_pd(out + std::size_t(kLaneOf[i][1]) * stride, _mm512_extractf64x4_pd(p[i], 1));
     }
 }
-inline void store_points(float* out, std::size_t stride, const Lanes& x, const Lanes& y, const Lanes& z, const Lanes& w) {
-    __m512d p[4];
-    to_points(x, y, z, w, p);
-    for (int i = 0; i < 4; ++i) {
-        const __m256 two = _mm512_cvtpd_ps(p[i]);
-        _mm_store_ps(out + std::size_t(kLaneOf[i][0]) * stride, _mm256_castps256_ps128(two));
-        _mm_store_ps(out + std::size_t(kLaneOf[i][1]) * stride, _mm256_extractf128_ps(two, 1));
+inline void store_points(float* out, std::size_t stride, Floats x, Floats y, Floats z, Floats w) {
+    const __m256 a = __m256(x), b = __m256(y), c = __m256(z), d = __m256(w);
+    const __m256 ab_low = _mm256_unpacklo_ps(a, b), ab_high = _mm256_unpackhi_ps(a, b), cd_low = _mm256_unpacklo_ps(c, d), cd_high = _mm256_unpackhi_ps(c, d);
+    const __m256 two[4] = {_mm256_shuffle_ps(ab_low, cd_low, 0x44), _mm256_shuffle_ps(ab_low, cd_low, 0xee), _mm256_shuffle_ps(ab_high, cd_high, 0x44),
+                           _mm256_shuffle_ps(ab_high, cd_high, 0xee)};  // lanes 0 4, 1 5, 2 6, 3 7
+    for (std::size_t lane = 0; lane < 4; ++lane) {
+        _mm_store_ps(out + lane * stride, _mm256_castps256_ps128(two[lane]));
+        _mm_store_ps(out + (lane + 4) * stride, _mm256_extractf128_ps(two[lane], 1));
     }
 }
 
@@ -81,10 +82,13 @@ inline void store_points(double* out, std::size_t stride, const Lanes& x, const 
     to_points(x, y, z, w, p);
     for (std::size_t lane = 0; lane < 4; ++lane) _mm256_store_pd(out + lane * stride, p[lane]);
 }
-inline void store_points(float* out, std::size_t stride, const Lanes& x, const Lanes& y, const Lanes& z, const Lanes& w) {
-    __m256d p[4];
-    to_points(x, y, z, w, p);
-    for (std::size_t lane = 0; lane < 4; ++lane) _mm_store_ps(out + lane * stride, _mm256_cvtpd_ps(p[lane]));
+inline void store_points(float* out, std::size_t stride, Floats x, Floats y, Floats z, Floats w) {
+    __m128 a = __m128(x), b = __m128(y), c = __m128(z), d = __m128(w);
+    _MM_TRANSPOSE4_PS(a, b, c, d);
+    _mm_store_ps(out, a);
+    _mm_store_ps(out + stride, b);
+    _mm_store_ps(out + 2 * stride, c);
+    _mm_store_ps(out + 3 * stride, d);
 }
 
 #else
@@ -98,18 +102,28 @@ inline void load_points(const double* field, const std::int32_t* id, Lanes& x, L
     z = load(c[2]);
 }
 
-template <class Real>
-inline void store_points(Real* out, std::size_t stride, const Lanes& x, const Lanes& y, const Lanes& z, const Lanes& w) {
+inline void store_points(double* out, std::size_t stride, const Lanes& x, const Lanes& y, const Lanes& z, const Lanes& w) {
     alignas(64) double c[4][kLanes];
     store(c[0], x);
     store(c[1], y);
     store(c[2], z);
     store(c[3], w);
     for (std::size_t lane = 0; lane < std::size_t(kLanes); ++lane)
-        for (std::size_t k = 0; k < 4; ++k) out[lane * stride + k] = Real(c[k][lane]);
+        for (std::size_t k = 0; k < 4; ++k) out[lane * stride + k] = c[k][lane];
+}
+inline void store_points(float* out, std::size_t stride, Floats x, Floats y, Floats z, Floats w) {
+    float c[4][kLanes];
+    const Floats* const from[4] = {&x, &y, &z, &w};
+    for (std::size_t k = 0; k < 4; ++k) __builtin_memcpy(c[k], from[k], sizeof c[k]);
+    for (std::size_t lane = 0; lane < std::size_t(kLanes); ++lane)
+        for (std::size_t k = 0; k < 4; ++k) out[lane * stride + k] = c[k][lane];
 }
 
 #endif
+
+inline void store_points(float* out, std::size_t stride, const Lanes& x, const Lanes& y, const Lanes& z, const Lanes& w) {
+    store_points(out, stride, to_floats(x), to_floats(y), to_floats(z), to_floats(w));
+}
 
 }  // namespace
 }  // namespace SUPPLE_ISA

@@ -34,6 +34,9 @@ inline bool any_of(LaneMask m) { return m; }
 inline Lanes logarithm(Lanes x) { return std::log(x); }
 inline Lanes exponential(Lanes x) { return std::exp(x); }
 
+using Floats = float;
+inline Floats to_floats(Lanes x) { return float(x); }
+
 #else
 
 using Lanes = xsimd::batch<double>;
@@ -50,6 +53,13 @@ inline Lanes choose(LaneMask m, Lanes yes, Lanes no) { return xsimd::select(m, y
 inline bool any_of(LaneMask m) { return xsimd::any(m); }
 inline Lanes logarithm(Lanes x) { return xsimd::log(x); }
 inline Lanes exponential(Lanes x) { return xsimd::exp(x); }
+
+/// As many floats: half a register, for what is stored as float32 in the end.
+typedef float Floats __attribute__((vector_size(4 * kLanes)));
+inline Floats to_floats(const Lanes& x) {
+    typedef double Doubles __attribute__((vector_size(8 * kLanes)));
+    return __builtin_convertvector((Doubles)x.data, Floats);
+}
 
 #endif
 

@@ -101,6 +101,37 @@ private:
     FourOf<Real> s0_ = {0, 0, 0, 0}, s1_ = {0, 0, 0, 0}, s2_ = {0, 0, 0, 0};
 };
 
+/// A 3x3 block in three columns x y z and a pad that is zero: twelve numbers.
+template <class Real>
+class Block3 {
+public:
+    Block3() = default;
+    explicit Block3(const FourOf<Real> c[3]) : c_{c[0], c[1], c[2]} {}
+    void add(const Real* block) {
+        for (int k = 0; k < 3; ++k) c_[k] += load4(block + 4 * k);
+    }
+    void add(const Block3& other) {
+        for (int k = 0; k < 3; ++k) c_[k] += other.c_[k];
+    }
+    void scale(Real factor) {
+        for (int k = 0; k < 3; ++k) c_[k] *= factor;
+    }
+    void add_to_diagonal(Real value) {
+        for (int k = 0; k < 3; ++k) c_[k][k] += value;
+    }
+    Block3 transposed() const {
+        Block3 t;
+        for (int k = 0; k < 3; ++k) t.c_[k] = FourOf<Real>{c_[0][k], c_[1][k], c_[2][k], 0};
+        return t;
+    }
+    void store(Real* to) const {
+        for (int k = 0; k < 3; ++k) store4(to + 4 * k, c_[k]);
+    }
+
+private:
+    FourOf<Real> c_[3] = {};
+};
+
 /// Sums over pairs of vectors of s a b^T + b a^T, a 3x3 block.
 template <class Real>
 class PairSum {
@@ -115,13 +146,35 @@ public:
         back_[1] += u * b1;
         back_[2] += u * b2;
     }
-    /// Columns of the block; the fourth number of each is zero.
-    void columns(FourOf<Real> c[3]) const {
+    Block3<Real> block() const {
+        FourOf<Real> c[3];
         for (int k = 0; k < 3; ++k) c[k] = FourOf<Real>{for_[k][0] + back_[0][k], for_[k][1] + back_[1][k], for_[k][2] + back_[2][k], 0};
+        return Block3<Real>(c);
     }
 
 private:
     FourOf<Real> for_[3] = {}, back_[3] = {};  ///< columns of the sums of s a b^T and a b^T
+};
+
+/// Sums over pairs of vectors of a b^T, a 3x3 block.
+template <class Real>
+class DyadSum {
+public:
+    /// a, b: x y z and a fourth number that does not matter
+    void add(const Real* a, const Real* b) {
+        const FourOf<Real> u = load4(a), v = load4(b);
+        sum_[0] += u * splat<0>(v);
+        sum_[1] += u * splat<1>(v);
+        sum_[2] += u * splat<2>(v);
+    }
+    Block3<Real> block() const {
+        FourOf<Real> c[3];
+        for (int k = 0; k < 3; ++k) c[k] = FourOf<Real>{sum_[k][0], sum_[k][1], sum_[k][2], 0};
+        return Block3<Real>(c);
+    }
+
+private:
+    FourOf<Real> sum_[3] = {};
 };
 
 #if defined(__AVX512F__) && defined(__AVX512BW__)
@@ -132,6 +185,27 @@ inline __m512 spread3(const float* p) {
 }
 
 template <>
+class Block3<float> {
+public:
+    Block3() = default;
+    explicit Block3(__m512 v) : v_(v) {}
+    void add(const float* block) { v_ = _mm512_add_ps(v_, _mm512_maskz_loadu_ps(0x0fff, block)); }
+    void add(const Block3& other) { v_ = _mm512_add_ps(v_, other.v_); }
+    void scale(float factor) { v_ = _mm512_mul_ps(v_, _mm512_set1_ps(factor)); }
+    void add_to_diagonal(float value) { v_ = _mm512_mask_add_ps(v_, 0x0421, v_, _mm512_set1_ps(value)); }
+    Block3 transposed() const {
+        return Block3(_mm512_permutexvar_ps(_mm512_set_epi32(15, 15, 15, 15, 15, 10, 6, 2, 15, 9, 5, 1, 15, 8, 4, 0), v_));
+    }
+    void store(float* to) const {
+        _mm256_storeu_ps(to, _mm512_castps512_ps256(v_));
+        _mm_store_ps(to + 8, _mm512_extractf32x4_ps(v_, 2));
+    }
+
+private:
+    __m512 v_ = _mm512_setzero_ps();
+};
+
+template <>
 class PairSum<float> {
 public:
     void add(const float* a, const float* b, float s) {
@@ -139,17 +213,24 @@ public:
         for_ = _mm512_fmadd_ps(_mm512_mul_ps(u, _mm512_set1_ps(s)), v, for_);
         back_ = _mm512_fmadd_ps(u, v, back_);
     }
-    void columns(Float4 c[3]) const {
+    Block3<float> block() const {
         // The first twelve numbers of for_ + back_^T, 3x3 within quarters.
         const __m512i turned = _mm512_set_epi32(15, 15, 15, 15, 15, 10, 6, 2, 15, 9, 5, 1, 15, 8, 4, 0);
-        const __m512 sum = _mm512_maskz_mov_ps(0x0777, _mm512_add_ps(for_, _mm512_permutexvar_ps(turned, back_)));
-        c[0] = Float4(_mm512_castps512_ps128(sum));
-        c[1] = Float4(_mm512_extractf32x4_ps(sum, 1));
-        c[2] = Float4(_mm512_extractf32x4_ps(sum, 2));
+        return Block3<float>(_mm512_maskz_mov_ps(0x0777, _mm512_add_ps(for_, _mm512_permutexvar_ps(turned, back_))));
     }
 
 private:
     __m512 for_ = _mm512_setzero_ps(), back_ = _mm512_setzero_ps();
+};
+
+template <>
+class DyadSum<float> {
+public:
+    void add(const float* a, const float* b) { sum_ = _mm512_fmadd_ps(_mm512_broadcast_f32x4(_mm_load_ps(a)), spread3(b), sum_); }
+    Block3<float> block() const { return Block3<float>(_mm512_maskz_mov_ps(0x0777, sum_)); }
+
+private:
+    __m512 sum_ = _mm512_setzero_ps();
 };
 
 inline void store_rounded12(std::int16_t* to, const float* from, float factor) {

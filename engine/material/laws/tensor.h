@@ -1,7 +1,7 @@
 #pragma once
 /// What a law that is not isotropic says of one element: stress and stiffness as tensors in its material frame, with F' = F Q0, Q0 = [f s n].
 /// Symmetric tensors are six numbers in the order 00 11 22 01 12 20.
-#include "supple/math/lane_svd.h"
+#include "supple/math/lane_eigen.h"
 
 namespace supple {
 inline namespace SUPPLE_ISA {
@@ -44,6 +44,12 @@ struct TensorLaw {
                 }
             }
         }
+        Lanes off = zero, on = zero;
+        for (int i = 0; i < 6; ++i) {
+            on = on + A[i][i] * A[i][i];
+            for (int j = 0; j < i; ++j) off = off + A[i][j] * A[i][j];
+        }
+        if (!any_of(off > Lanes(1e-32) * on)) break;
     }
 }
 
@@ -93,7 +99,7 @@ inline void project(TensorLaw& law) {
     M3<Lanes> S, V;
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j) S.m[i][j] = law.S[kSym[i][j]];
-    jacobi_eigen(S, V);
+    symmetric_eigen(S, V);
     for (int n = 0; n < 6; ++n) {
         law.S[n] = zero;
         for (int k = 0; k < 3; ++k) law.S[n] = law.S[n] + larger(S.m[k][k], zero) * V.m[kSymI[n]][k] * V.m[kSymJ[n]][k];
