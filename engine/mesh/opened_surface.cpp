@@ -15,8 +15,9 @@ struct Lexicographic {
     bool operator()(const Vec3& a, const Vec3& b) const { return std::lexicographical_compare(a.data(), a.data() + 3, b.data(), b.data() + 3); }
 };
 
-/// Corners of the face of an element that three vertices lie on.
-std::vector<std::int32_t> face_with(const VolumeMesh& mesh, std::int32_t element, const Triangle& t) {
+}  // namespace
+
+std::vector<std::int32_t> face_corners(const VolumeMesh& mesh, std::int32_t element, const Triangle& t) {
     const auto ids = element_vertices(mesh, std::size_t(element));
     const auto try_face = [&](const auto& face) {
         std::vector<std::int32_t> corners;
@@ -34,17 +35,15 @@ std::vector<std::int32_t> face_with(const VolumeMesh& mesh, std::int32_t element
     return {};
 }
 
-}  // namespace
-
-OpenedSurface opened_surface(const MeshEdit& edit, const BoundarySurface& boundary, std::span<const std::int32_t> parent, double height) {
+OpenedSurface opened_surface(const MeshEdit& edit, const BoundarySurface& boundary, std::span<const std::int32_t> parent, std::span<const Vec3> x, std::span<const char> on_lip, double height) {
     const VolumeMesh& mesh = edit.mesh;
     const auto count = std::int32_t(mesh.vertices.size());
     OpenedSurface out;
     std::map<Vec3, std::int32_t, Lexicographic> at;  // copies of a vertex lie at the very same place
     std::map<std::int32_t, std::int32_t> place;      // [vertex of an opened face] vertex of the surface
     const auto placed = [&](std::int32_t v) {
-        const auto [known, is_new] = at.try_emplace(mesh.vertices[std::size_t(v)], std::int32_t(out.surface.vertices.size()));
-        if (is_new) out.surface.vertices.push_back(mesh.vertices[std::size_t(v)]);
+        const auto [known, is_new] = at.try_emplace(x[std::size_t(v)], std::int32_t(out.surface.vertices.size()));
+        if (is_new) out.surface.vertices.push_back(x[std::size_t(v)]);
         place.emplace(v, known->second);
         return known->second;
     };
@@ -59,7 +58,7 @@ OpenedSurface opened_surface(const MeshEdit& edit, const BoundarySurface& bounda
         if (parent[b] >= 0) continue;
         const Triangle& t = boundary.triangles[b];
         const std::int32_t element = boundary.element[b];
-        const std::vector<std::int32_t> corners = face_with(mesh, element, t);
+        const std::vector<std::int32_t> corners = face_corners(mesh, element, t);
         FaceKey key{-1, -1, -1, -1};
         for (std::size_t k = 0; k < corners.size(); ++k) key[k] = placed(corners[k]);
         key = ascending(key, corners.size());
@@ -77,7 +76,7 @@ OpenedSurface opened_surface(const MeshEdit& edit, const BoundarySurface& bounda
         known->second.triangles.push_back(out.surface.triangles.size());
         for (std::size_t k = 0; k < 3; ++k) {
             edge_of_lip[{t[k], t[(k + 1) % 3]}] = out.surface.triangles.size();
-            length += (mesh.vertices[std::size_t(t[k])] - mesh.vertices[std::size_t(t[(k + 1) % 3])]).norm();
+            length += (x[std::size_t(t[k])] - x[std::size_t(t[(k + 1) % 3])]).norm();
         }
         out.surface.triangles.push_back({place.at(t[0]), place.at(t[1]), place.at(t[2])});
         out.lips.push_back({OpenedSurface::Lip{element, t}, OpenedSurface::Lip{}});
@@ -93,9 +92,9 @@ OpenedSurface opened_surface(const MeshEdit& edit, const BoundarySurface& bounda
     };
     std::vector<Rim> rims;
     for (std::size_t b = 0; b < parent.size(); ++b) {
-        if (parent[b] < 0) continue;
+        if (parent[b] < 0 || on_lip[b]) continue;  // what lies on a lip lies exactly there
         const Triangle& t = boundary.triangles[b];
-        const auto X = [&](std::size_t k) -> const Vec3& { return mesh.vertices[std::size_t(t[k % 3])]; };
+        const auto X = [&](std::size_t k) -> const Vec3& { return x[std::size_t(t[k % 3])]; };
         for (std::size_t k = 0; k < 3; ++k) {
             const auto found = place.find(t[k]);
             if (found == place.end()) continue;
