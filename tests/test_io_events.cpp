@@ -3,6 +3,7 @@
 
 #include "mesh_helpers.h"
 #include "supple/io/scene.h"
+#include "supple/mesh/surface.h"
 
 namespace supple {
 namespace {
@@ -31,6 +32,34 @@ TEST(IoEvents, CutsAndErasuresHappenWhenTheFileSays) {
         world.step();
     }
     EXPECT_LT(world.shape(body).mesh().element_count(), before);
+}
+
+TEST(IoEvents, ElementsAreAddedWhenTheFileSays) {
+    const io::Scene scene = parse(R"([{"add": {"body": "bar", "vertices_m": [[0.45, 0.03, 0.02]], "tets": [[8, 17, 35, 81]], "source": 0, "time_s": 0.03}}])");
+    World world = io::build_world(scene);
+    const BodyId body = world.bodies()[0];
+    // Of whatever numbering: a tet on a boundary face near the end.
+    const VolumeMesh& mesh = world.shape(body).mesh();
+    const BoundarySurface boundary = extract_boundary(mesh);
+    std::size_t face = 0;
+    while (mesh.vertices[std::size_t(boundary.triangles[face][0])].x() < 0.399 || mesh.vertices[std::size_t(boundary.triangles[face][1])].x() < 0.399 || mesh.vertices[std::size_t(boundary.triangles[face][2])].x() < 0.399) ++face;
+    const Triangle& t = boundary.triangles[face];
+    const std::string corners = std::to_string(t[0]) + ", " + std::to_string(t[1]) + ", " + std::to_string(t[2]) + ", " + std::to_string(mesh.vertices.size());
+    const io::Scene fitting = parse(R"([{"add": {"body": "bar", "vertices_m": [[0.45, 0.05, 0.05]], "tets": [[)" + corners + R"(]], "source": )" + std::to_string(boundary.element[face]) + R"(, "time_s": 0.03}}])");
+    const std::size_t before = mesh.element_count();
+    const EditScript script = io::make_edits(fitting, world);
+    for (int i = 0; i < 6; ++i) {
+        EXPECT_EQ(script.before_step(world), i == 3 ? 1u : 0u);
+        EXPECT_EQ(world.step().flags, StepFlag::none);
+    }
+    EXPECT_EQ(world.shape(body).mesh().element_count(), before + 1);
+    EXPECT_EQ(world.masses(body).size(), mesh.vertices.size());
+    using supple_test::expect_error;
+    expect_error(ErrorCode::parse, "the 4 vertices of an element", [] { parse(R"([{"add": {"tets": [[0, 1, 2]], "source": 0, "time_s": 0}}])"); });
+    expect_error(ErrorCode::parse, "needs tets or hexes", [] { parse(R"([{"add": {"source": 0, "time_s": 0}}])"); });
+    World other = io::build_world(scene);
+    const EditScript overlapping = io::make_edits(parse(R"([{"add": {"tets": [[0, 1, 2, 99999]], "source": 0, "time_s": 0}}])"), other);
+    expect_error(ErrorCode::invalid_argument, "add_elements", [&] { overlapping.before_step(other); });
 }
 
 TEST(IoEvents, ACutIsHealedWhenTheFileSays) {
