@@ -109,7 +109,7 @@ OpenedSurface opened_surface(const MeshEdit& edit, const BoundarySurface& bounda
     std::map<std::int32_t, std::int32_t> outer;  // [vertex of the surface] the end of the wall there
     const auto end_of = [&](std::int32_t p) {
         const auto [known, is_new] = outer.try_emplace(p, std::int32_t(out.surface.vertices.size()));
-        const Vec3 top = out.surface.vertices[std::size_t(p)] + height * out.size * normal.at(p).normalized();
+        const Vec3 top = out.surface.vertices[std::size_t(p)] + height * out.size * normal.try_emplace(p, Vec3::Zero()).first->second.normalized();
         if (is_new) out.surface.vertices.push_back(top);
         return known->second;
     };

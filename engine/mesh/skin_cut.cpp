@@ -156,18 +156,18 @@ private:
             }
         };
         const auto place_opened = [&](bool walls) {
-        for (const auto& part : crossed_.second) {
-            if ((std::size_t(part.triangle) >= opened_.faces) != walls) continue;
-            const Triangle& t = opened_.surface.triangles[std::size_t(part.triangle)];
-            const auto& vertex = opened_.lips[std::size_t(part.triangle)][0].vertex;
-            std::array<Vec3, 3> from, to;
-            for (std::size_t k = 0; k < 3; ++k) {
-                from[k] = to[k] = opened_.surface.vertices[std::size_t(t[k])];
-                const auto v = std::size_t(vertex[k]), count = edit_.mesh.vertices.size();
-                to[k] += edit_.mesh.vertices[v % count] - moved_[v % count];  // a wall stands on it
+            for (const auto& part : crossed_.second) {
+                if ((std::size_t(part.triangle) >= opened_.faces) != walls) continue;
+                const Triangle& t = opened_.surface.triangles[std::size_t(part.triangle)];
+                const auto& vertex = opened_.lips[std::size_t(part.triangle)][0].vertex;
+                std::array<Vec3, 3> from, to;
+                for (std::size_t k = 0; k < 3; ++k) {
+                    from[k] = to[k] = opened_.surface.vertices[std::size_t(t[k])];
+                    const auto v = std::size_t(vertex[k]), count = edit_.mesh.vertices.size();
+                    to[k] += edit_.mesh.vertices[v % count] - moved_[v % count];  // a wall stands on it
+                }
+                place(part.corner, from, to);
             }
-            place(part.corner, from, to);
-        }
         };
         place_opened(false);
         for (const auto& part : crossed_.first) {
