@@ -41,6 +41,7 @@ struct ShowOptions {
     int threads = 0;
     std::optional<Isa> isa{};  ///< empty: the widest
     int refine = 0;            ///< times that the meshes of a scene file are refined
+    bool edits = true;         ///< false: bodies stay whole, all else is the same; of those that cut, carve and tear over time
 };
 
 /// A demo. Each lives in one file of demos/ and registers itself with a `const RegisterDemo`.

@@ -43,7 +43,7 @@ Vec3 path(double t) {
 class Carve : public Show {
 public:
     explicit Carve(const ShowOptions& options)
-        : world_(world_def(options)), device_(haptics::device_preset("falcon"), hand()), loop_(device_, {}),
+        : world_(world_def(options)), edits_(options.edits), device_(haptics::device_preset("falcon"), hand()), loop_(device_, {}),
           link_(std::in_place, world_, loop_, haptics::ToolLinkDef{.shape = SphereShape{kBurr_m}, .friction = 0, .mass_kg = 0.02}) {
         BodyDef def;
         def.name = "block";
@@ -69,7 +69,7 @@ public:
         });
         if (!link_->collider()) return;
         if (world_.step_count() > 0) simulated_.push_back({world_.time_s(), world_.collider_state(link_->collider()).force_n.norm()});
-        if (world_.step_count() % 4 == 0) grind();
+        if (edits_ && world_.step_count() % 4 == 0) grind();
     }
     void let_go() override { link_.reset(); }
 
@@ -119,6 +119,7 @@ private:
     }
 
     World world_;
+    bool edits_;
     BodyId body_;
     haptics::PlayedDevice device_;
     haptics::HapticLoop loop_;

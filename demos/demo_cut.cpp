@@ -52,7 +52,7 @@ public:
         }
         blade_.begin_s = kCutBegin_s;
         blade_.end_s = kCutEnd_s;
-        script_ = EditScript({blade_}, {});
+        if (options.edits) script_ = EditScript({blade_}, {});
         camera_ = frame_camera(bounds_, Vec3(-0.25, 0.62, 1), 32);
         camera_.eye_m = camera_.target_m + 0.86 * (camera_.eye_m - camera_.target_m);
     }

@@ -24,7 +24,7 @@ WorldDef world_def(const ShowOptions& options) {
 
 class Tear : public Show {
 public:
-    explicit Tear(const ShowOptions& options) : world_(world_def(options)) {
+    explicit Tear(const ShowOptions& options) : world_(world_def(options)), playing_(options.edits) {
         BodyDef def;
         def.name = "slab";
         def.shape = BodyTemplate::build(make_tet_box({.min_m = {-kLength_m / 2, 0, -kThick_m / 2}, .max_m = {kLength_m / 2, kWidth_m, kThick_m / 2}, .cells = {45, 30, 1}}));
@@ -77,7 +77,7 @@ private:
     BodyId body_;
     TearDef tear_;
     std::size_t torn_ = 0;
-    bool playing_ = true;
+    bool playing_;
     Camera camera_;
 };
 

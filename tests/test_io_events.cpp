@@ -3,6 +3,7 @@
 
 #include "mesh_helpers.h"
 #include "supple/io/scene.h"
+#include "supple/mesh/surface.h"
 
 namespace supple {
 namespace {
@@ -33,6 +34,34 @@ TEST(IoEvents, CutsAndErasuresHappenWhenTheFileSays) {
     EXPECT_LT(world.shape(body).mesh().element_count(), before);
 }
 
+TEST(IoEvents, ElementsAreAddedWhenTheFileSays) {
+    const io::Scene scene = parse(R"([{"add": {"body": "bar", "vertices_m": [[0.45, 0.03, 0.02]], "tets": [[8, 17, 35, 81]], "source": 0, "time_s": 0.03}}])");
+    World world = io::build_world(scene);
+    const BodyId body = world.bodies()[0];
+    // Of whatever numbering: a tet on a boundary face near the end.
+    const VolumeMesh& mesh = world.shape(body).mesh();
+    const BoundarySurface boundary = extract_boundary(mesh);
+    std::size_t face = 0;
+    while (mesh.vertices[std::size_t(boundary.triangles[face][0])].x() < 0.399 || mesh.vertices[std::size_t(boundary.triangles[face][1])].x() < 0.399 || mesh.vertices[std::size_t(boundary.triangles[face][2])].x() < 0.399) ++face;
+    const Triangle& t = boundary.triangles[face];
+    const std::string corners = std::to_string(t[0]) + ", " + std::to_string(t[1]) + ", " + std::to_string(t[2]) + ", " + std::to_string(mesh.vertices.size());
+    const io::Scene fitting = parse(R"([{"add": {"body": "bar", "vertices_m": [[0.45, 0.05, 0.05]], "tets": [[)" + corners + R"(]], "source": )" + std::to_string(boundary.element[face]) + R"(, "time_s": 0.03}}])");
+    const std::size_t before = mesh.element_count(), vertices = mesh.vertices.size();
+    const EditScript script = io::make_edits(fitting, world);
+    for (int i = 0; i < 6; ++i) {
+        EXPECT_EQ(script.before_step(world), i == 3 ? 1u : 0u);
+        EXPECT_EQ(world.step().flags, StepFlag::none);
+    }
+    EXPECT_EQ(world.shape(body).mesh().element_count(), before + 1);
+    EXPECT_EQ(world.masses(body).size(), vertices + 1);
+    using supple_test::expect_error;
+    expect_error(ErrorCode::parse, "the 4 vertices of an element", [] { parse(R"([{"add": {"tets": [[0, 1, 2]], "source": 0, "time_s": 0}}])"); });
+    expect_error(ErrorCode::parse, "needs tets or hexes", [] { parse(R"([{"add": {"source": 0, "time_s": 0}}])"); });
+    World other = io::build_world(scene);
+    const EditScript overlapping = io::make_edits(parse(R"([{"add": {"tets": [[0, 1, 2, 99999]], "source": 0, "time_s": 0}}])"), other);
+    expect_error(ErrorCode::invalid_argument, "add_elements", [&] { overlapping.before_step(other); });
+}
+
 TEST(IoEvents, ACutIsHealedWhenTheFileSays) {
     const io::Scene scene = parse(R"([{"cut": {"from_m": [[0.213, 0.2, -1], [0.213, 0.2, 1]], "to_m": [[0.213, -0.2, -1], [0.213, -0.2, 1]], "times_s": 0.02}},
                                       {"heal": {"body": "bar", "gap_m": 0.01, "centre_m": [0.2, 0.05, 0.05], "radius_m": 0.2, "time_s": 0.05}}])");
@@ -48,7 +77,7 @@ TEST(IoEvents, ACutIsHealedWhenTheFileSays) {
 TEST(IoEvents, MistakesAreNamed) {
     const auto refused = [](const std::string& text, const std::string& events) { supple_test::expect_error(ErrorCode::parse, text, [&] { parse(events); }); };
     const std::string blade = R"("from_m": [[0, 0, 0], [1, 0, 0]], "to_m": [[0, 1, 0], [1, 1, 0]])";
-    refused("either a \"cut\", an \"erase\" or a \"heal\"", "[{}]");
+    refused("either a \"cut\", an \"erase\", a \"heal\" or an \"add\"", "[{}]");
     refused("/events/0/heal", R"([{"heal": {"gap_m": 0.1}}])");
     refused("gap_m", R"([{"heal": {"gap_m": 0, "time_s": 1}}])");
     refused("both centre_m and radius_m", R"([{"heal": {"radius_m": 1, "time_s": 1}}])");

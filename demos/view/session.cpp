@@ -121,6 +121,7 @@ void Session::take_over() {
 
 void Session::set_material(std::size_t body, const Material& material) {
     world().set_material(world().bodies()[body], material);
+    grow_to(body);
     edits_[body].material = material;
 }
 
@@ -138,7 +139,13 @@ void Session::apply(std::size_t body) {
     edits_[body].applied = edits_[body].factor;
 }
 
+void Session::grow_to(std::size_t body) {
+    const std::vector<BodyId> bodies = world().bodies();
+    while (edits_.size() <= body) edits_.push_back({std::nullopt, 1, world().definition(bodies.at(edits_.size())).stiffness_factor_per_element});
+}
+
 void Session::set_stiffness_factor(std::size_t body, double factor) {
+    grow_to(body);
     const double before = std::exchange(edits_[body].factor, factor);
     try {
         apply(body);

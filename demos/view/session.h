@@ -60,7 +60,7 @@ public:
     // -- changes
     void set_material(std::size_t body, const Material& material);
     void set_stiffness_factor(std::size_t body, double factor);  ///< on top of the definition's own factors
-    double stiffness_factor(std::size_t body) const { return edits_[body].factor; }
+    double stiffness_factor(std::size_t body) const { return body < edits_.size() ? edits_[body].factor : 1; }
     void set_solver(const SolverDef& solver);
     void set_gravity(const Vec3& gravity_m_s2);
     const Vec3& down() const { return down_; }  ///< where gravity pointed when the scene was opened; -y in free space
@@ -80,6 +80,7 @@ private:
     OpenedShow open_any(const std::string& scene) const;
     void begin(OpenedShow opened);
     void apply(std::size_t body);
+    void grow_to(std::size_t body);  ///< bodies may have come since the scene was opened: pieces that were cut off
     void step(FrameSteps& frame);
     void note_flags();
 

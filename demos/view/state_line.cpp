@@ -23,6 +23,7 @@ std::string state_line(Desk& desk, std::size_t frame) {
     line.add("eye_m", json(desk.camera.camera().eye_m)).add("panels", truth(desk.panels)).add("help", truth(desk.help));
     line.add("message", json(desk.message.text));
     const std::vector<BodyId> bodies = world.bodies();
+    line.add("bodies", json(bodies.size()));
     if (desk.body < bodies.size()) {
         const BodyDef& def = world.definition(bodies[desk.body]);
         Vec3 centre = Vec3::Zero();

@@ -40,6 +40,10 @@ public:
     virtual bool holds() const = 0;
     virtual bool begins_beside() const { return false; }  ///< its movement may begin where no body is
     virtual bool edits() const { return false; }          ///< what it does to meshes can be undone
+    /// Takes back what it did last where World::undo_edit() alone would not do, bodies of its own making. False: nothing of that kind was done last to any body.
+    virtual bool undo(World& world) { return (void)world, false; }
+
+    virtual void forget() {}                              ///< another world: ids that it kept are void
 
     virtual double force_n(const World& world) const = 0;  ///< size of what it does to the body, in the last step
     virtual void draw(const World& world, FrameView& view) const = 0;

@@ -1,6 +1,7 @@
 #include <imgui.h>
 
 #include <algorithm>
+#include <iterator>
 #include <optional>
 
 #include "drawn_shapes.h"
@@ -57,8 +58,23 @@ public:
         const std::vector<Vec3> from = edge(-kBefore * scale_.size_m), to = edge(depth_ * scale_.size_m);
         if (from.size() < 2) return;
         const mesh::TriangleMesh blade = swept_blade(from, to);
-        for (const BodyId body : bodies) world.cut(body, blade);
+        for (const BodyId body : bodies) cut(world, body, blade);
     }
+    /// Pieces that became bodies go, their matter comes back: where the body, and they, are as the cut left them.
+    bool undo(World& world) override {
+        const std::vector<BodyId> living = world.bodies();
+        const auto lives = [&](BodyId id) { return std::find(living.begin(), living.end(), id) != living.end(); };
+        for (auto cut = cuts_.rbegin(); cut != cuts_.rend(); ++cut) {
+            if (!lives(cut->body) || world.element_ids(cut->body) != cut->elements) continue;
+            for (const BodyId piece : cut->pieces)
+                if (lives(piece)) world.remove_body(piece);
+            for (int i = 0; i < cut->edits; ++i) world.undo_edit(cut->body);
+            cuts_.erase(std::next(cut).base());
+            return true;
+        }
+        return false;
+    }
+    void forget() override { cuts_.clear(); }
     void cancel(World&) override { holds_ = false; }
     bool holds() const override { return holds_; }
     double force_n(const World&) const override { return 0; }
@@ -73,13 +89,40 @@ public:
         drawn_.add_to(view);
     }
 
-    void panel(double) override { percent_slider("Depth", "blade depth", depth_, 0.02, 1.5, "of the blade under the surface, as a part of the scene's size; the wheel while drawing, too"); }
+    void panel(double) override {
+        percent_slider("Depth", "blade depth", depth_, 0.02, 1.5, "of the blade under the surface, as a part of the scene's size; the wheel while drawing, too");
+        checkbox("Pieces become bodies", "part pieces", part_, "What is cut off and held by nothing becomes a body of its own; a body that nothing holds keeps its largest piece");
+        percent_slider("Smallest piece", "smallest piece", crumb_, 0, 0.1, "of the volume of its body: smaller pieces that a cut leaves are taken away; never the largest");
+    }
 
 private:
     struct Sample {
         Ray ray;
         std::optional<double> surface_m;  ///< along it; none beside the bodies
     };
+
+    /// A cut that made bodies.
+    struct Parted {
+        BodyId body;
+        std::vector<BodyId> pieces;
+        std::vector<std::uint32_t> elements;  ///< ids of the body's after it
+        int edits = 0;
+    };
+
+    void cut(World& world, BodyId body, const mesh::TriangleMesh& blade) {
+        Parted parted{body, {}, {}, 0};
+        parted.edits += !world.cut(body, blade).is_identity();
+        const std::vector<Piece> pieces = world.pieces(body);
+        if (parted.edits == 0 || pieces.size() < 2) return;
+        double volume = 0;
+        for (const Piece& piece : pieces) volume += piece.volume_m3;
+        parted.edits += !world.remove_pieces(body, crumb_ * volume).is_identity();
+        if (part_) parted.pieces = world.split_off_pieces(body);
+        parted.edits += !parted.pieces.empty();
+        if (parted.edits == 1) return;
+        parted.elements = world.element_ids(body);
+        cuts_.push_back(std::move(parted));
+    }
 
     void add(World& world, const Ray& ray) {
         Sample sample{ray, {}};
@@ -121,6 +164,9 @@ private:
     bool holds_ = false;
     double reach_m_ = 1;          ///< to the last point of a surface
     double depth_ = 0.3;
+    bool part_ = true;
+    std::vector<Parted> cuts_;
+    double crumb_ = 0;
     mutable DrawnShapes drawn_;   ///< views borrow from it
 };
 

@@ -132,6 +132,8 @@ void Viewer::fulfil_wishes() {
 void Viewer::undo_edit() {
     World& world = desk_.session.world();
     desk_.tool_at_hand().cancel(world);  // it may hold what goes
+    for (const auto& tool : desk_.tools)
+        if (tool->undo(world)) return;
     std::vector<BodyId> bodies = world.bodies();
     if (desk_.body < bodies.size()) std::swap(bodies[0], bodies[desk_.body]);
     for (const BodyId body : bodies)
@@ -145,6 +147,7 @@ void Viewer::take_up_scene() {
     desk_.curves.clear();
     frames_of_scene_ = 0;
     desk_.body = 0;
+    for (const auto& tool : desk_.tools) tool->forget();
     builder_.emplace(desk_.session.show(), desk_.frame);
     window_.set_title("Supple: " + desk_.session.name());
     if (keeps_camera_) return;

@@ -56,7 +56,12 @@ struct SceneEdits {
     };
     std::vector<Cut> cuts;
     std::vector<Erase> erasures;
+    struct Add {
+        std::size_t body = 0;
+        AddEvent event;
+    };
     std::vector<Heal> heals;
+    std::vector<Add> additions;
 };
 
 /// A scene file, read and validated.
@@ -82,8 +87,8 @@ struct Scene {
 ///             motion {times_s, positions_m, rotations_wxyz}: follows them; mass_kg, velocity_m_s, spin_rad_s: moved by what it touches and by gravity;
 ///             mass_kg and tool {stiffness_n_m, damping_n_s_m, max_force_n, torsion_nm_rad, max_torque_nm}: drawn along `motion`}]
 ///   events   [{cut: {body, from_m: [points of a blade], to_m, times_s: [begin, end], stride_m, snap}} | {erase: {body, from_m, to_m, radius_m, times_s}} |
-///             {heal: {body, gap_m, centre_m, radius_m, time_s}}]: a blade, or a ball that removes elements, goes evenly from one place to another while the body moves; lips within
-///             a gap are glued, in a ball or everywhere (world/edit_events.h); body is its name or number, 0 if left out
+///             {heal: {body, gap_m, centre_m, radius_m, time_s}} | {add: {body, vertices_m, tets or hexes, source, time_s}}]: a blade, or a ball that removes elements, goes evenly from one place to another while the body moves; lips within
+///             a gap are glued, in a ball or everywhere; elements of old and new vertices join the body (world/edit_events.h); body is its name or number, 0 if left out
 ///   contacts [{bodies: [name, name], on}]: of these two, or of one with itself, whatever the bodies say
 ///   ties     [{bodies: [name, name], gap_m, stiffness_n_m, max_force_n}]: glues the surface of the first to that of the second where they are so near
 ///   bodies   [{touches_bodies, touches_itself, friction: contact with soft bodies; name, mesh: "file" or box: {min_m, max_m, cells: [nx, ny, nz], elements: "tets"}, scale, units, up, refine, skin: "surface file", translation_m, velocity_m_s,

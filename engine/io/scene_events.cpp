@@ -34,12 +34,22 @@ std::vector<Vec3> read_points(const JsonNode& node) {
     return points;
 }
 
+constexpr std::int64_t kMostIndex = 2147483647;
+
+template <std::size_t n>
+std::array<std::int32_t, n> read_corners(const JsonNode& node) {
+    if (!node.is_array() || node.size() != n) node.fail("must be the " + std::to_string(n) + " vertices of an element");
+    std::array<std::int32_t, n> corners;
+    for (std::size_t k = 0; k < n; ++k) corners[k] = std::int32_t(node.item(k).integer(0, kMostIndex));
+    return corners;
+}
+
 }  // namespace
 
 void read_events(const JsonNode& node, Scene& scene) {
     for (const JsonNode& entry : node.items()) {
-        entry.require_object({"cut", "erase", "heal"});
-        if (entry.has("cut") + entry.has("erase") + entry.has("heal") != 1) entry.fail("an event is either a \"cut\", an \"erase\" or a \"heal\"");
+        entry.require_object({"cut", "erase", "heal", "add"});
+        if (entry.has("cut") + entry.has("erase") + entry.has("heal") + entry.has("add") != 1) entry.fail("an event is either a \"cut\", an \"erase\", a \"heal\" or an \"add\"");
         if (entry.has("cut")) {
             const JsonNode cut = entry.at("cut");
             cut.require_object({"body", "from_m", "to_m", "times_s", "stride_m", "snap"});
@@ -63,6 +73,24 @@ void read_events(const JsonNode& node, Scene& scene) {
             if (heal.has("centre_m")) out.event.def.centre_m = heal.at("centre_m").vec3(1e9);
             if (heal.has("radius_m")) out.event.def.radius_m = heal.at("radius_m").number_above(0, 1e9);
             scene.events.heals.push_back(out);
+        } else if (entry.has("add")) {
+            const JsonNode add = entry.at("add");
+            add.require_object({"body", "vertices_m", "tets", "hexes", "source", "time_s"});
+            SceneEdits::Add out;
+            out.body = read_body_number(add, scene);
+            out.event.time_s = add.at("time_s").number(0, 1e9);
+            if (add.has("vertices_m"))
+                for (const JsonNode& point : add.at("vertices_m").items()) out.event.elements.vertices.push_back(point.vec3(1e9));
+            if (add.has("tets"))
+                for (const JsonNode& tet : add.at("tets").items()) out.event.elements.tets.push_back(read_corners<4>(tet));
+            if (add.has("hexes"))
+                for (const JsonNode& hex : add.at("hexes").items()) out.event.elements.hexes.push_back(read_corners<8>(hex));
+            if (out.event.elements.tets.empty() && out.event.elements.hexes.empty()) add.fail("needs tets or hexes");
+            const JsonNode source = add.at("source", "the element whose matter the new ones are of: one for all, or a list");
+            if (source.is_number()) out.event.elements.source.push_back(std::int32_t(source.integer(0, kMostIndex)));
+            else
+                for (const JsonNode& element : source.items()) out.event.elements.source.push_back(std::int32_t(element.integer(0, kMostIndex)));
+            scene.events.additions.push_back(std::move(out));
         } else {
             const JsonNode erase = entry.at("erase");
             erase.require_object({"body", "from_m", "to_m", "radius_m", "times_s"});
@@ -94,7 +122,12 @@ EditScript make_edits(const Scene& scene, const World& world) {
         heals.push_back(heal.event);
         heals.back().body = bodies.at(heal.body);
     }
-    return EditScript(std::move(cuts), std::move(erasures), std::move(heals));
+    std::vector<AddEvent> additions;
+    for (const SceneEdits::Add& add : scene.events.additions) {
+        additions.push_back(add.event);
+        additions.back().body = bodies.at(add.body);
+    }
+    return EditScript(std::move(cuts), std::move(erasures), std::move(heals), std::move(additions));
 }
 
 }  // namespace supple::io

@@ -9,7 +9,7 @@
 
 namespace supple {
 
-mesh::TriangleMesh weld(const mesh::TriangleMesh& surface) {
+mesh::TriangleMesh weld(const mesh::TriangleMesh& surface, std::vector<std::int32_t>* kept) {
     const std::size_t count = surface.vertices.size();
     const auto refuse = [](const std::string& message) { throw Error(ErrorCode::invalid_argument, "surface", message); };
     for (std::size_t t = 0; t < surface.triangles.size(); ++t)
@@ -34,11 +34,13 @@ mesh::TriangleMesh weld(const mesh::TriangleMesh& surface) {
     }
     mesh::TriangleMesh out;
     std::vector<char> used(count, 0);
-    for (Triangle t : surface.triangles) {
+    for (std::size_t i = 0; i < surface.triangles.size(); ++i) {
+        Triangle t = surface.triangles[i];
         for (std::int32_t& v : t) v = first[std::size_t(v)];
         const auto X = [&](std::size_t a) -> const Vec3& { return surface.vertices[std::size_t(t[a])]; };
         if (!((X(1) - X(0)).cross(X(2) - X(0)).squaredNorm() > 0)) continue;
         out.triangles.push_back(t);
+        if (kept != nullptr) kept->push_back(std::int32_t(i));
         for (const std::int32_t v : t) used[std::size_t(v)] = 1;
     }
     if (out.triangles.empty()) refuse("it has no triangle with an area");
@@ -67,14 +69,29 @@ std::vector<Vec3> vertex_normals(const mesh::TriangleMesh& surface) {
     return normals;
 }
 
-Skin::Skin(mesh::TriangleMesh surface, const VolumeMesh& mesh)
-    : surface_(std::move(surface)), embedding_(mesh, surface_.vertices), mesh_vertices_(mesh.vertices.size()) {}
-
-Skin::Skin(mesh::TriangleMesh surface, Embedding embedding, std::size_t mesh_vertices)
-    : surface_(std::move(surface)), embedding_(std::move(embedding)), mesh_vertices_(mesh_vertices) {}
-
-std::shared_ptr<const Skin> Skin::build(const VolumeMesh& mesh, const mesh::TriangleMesh& surface) {
-    return std::shared_ptr<const Skin>(new Skin(weld(surface), mesh));
+double area_of(const mesh::TriangleMesh& surface) {
+    double sum = 0;
+    for (const Triangle& t : surface.triangles) {
+        const auto X = [&](std::size_t a) -> const Vec3& { return surface.vertices[std::size_t(t[a])]; };
+        sum += 0.5 * (X(1) - X(0)).cross(X(2) - X(0)).norm();
+    }
+    return sum;
 }
+
+Skin::Skin(mesh::TriangleMesh surface, std::vector<TextureCorners> texture, const VolumeMesh& mesh)
+    : surface_(std::move(surface)), texture_(std::move(texture)), embedding_(mesh, surface_.vertices), mesh_vertices_(mesh.vertices.size()) {}
+
+std::shared_ptr<const Skin> Skin::build(const VolumeMesh& mesh, const mesh::TriangleMesh& surface, std::span<const TextureCorners> texture) {
+    if (!texture.empty() && texture.size() != surface.triangles.size())
+        throw Error(ErrorCode::invalid_argument, "texture", std::to_string(texture.size()) + " triangles for a surface of " + std::to_string(surface.triangles.size()));
+    std::vector<std::int32_t> kept;
+    mesh::TriangleMesh welded = weld(surface, &kept);
+    std::vector<TextureCorners> of_kept;
+    for (const std::int32_t t : kept)
+        if (!texture.empty()) of_kept.push_back(texture[std::size_t(t)]);
+    return std::shared_ptr<const Skin>(new Skin(std::move(welded), std::move(of_kept), mesh));
+}
+
+std::size_t Skin::inner_triangles() const { return std::size_t(std::count_if(opened_.begin(), opened_.end(), [](std::int32_t e) { return e >= 0; })); }
 
 }  // namespace supple

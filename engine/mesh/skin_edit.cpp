@@ -1,150 +1,165 @@
-// A skin after its mesh was edited. Every triangle gets a host, the new element that its middle lies in or nearest to, among the parts of the elements that moved its
-// corners. A corner stays with an element of its own if that element hangs together with the host across few neighbours; otherwise it lies across a cut, and a copy of it is
-// bound to the host, whose map goes on beyond it. At rest nothing shows; opened, the skin ends within a triangle of the cut.
+// A skin after its mesh was edited: cut (skin_cut.cpp), or healed.
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <map>
-#include <optional>
-#include <set>
 
 #include "supple/mesh/skin.h"
+#include "supple/mesh/skin_cut.h"
 #include "supple/mesh/surface.h"
 
 namespace supple {
 
+struct Skin::Parts {
+    mesh::TriangleMesh surface;
+    std::vector<std::int32_t> element;  ///< [vertex] it is bound to
+    std::vector<TextureCorners> texture;
+    std::vector<std::int32_t> opened;
+    std::shared_ptr<const Origin> origin;
+};
+
 namespace {
 
-constexpr int kHops = 3;  // elements between a corner and its host that are still one side
+constexpr double kHealedArea = 1e-9;  // of the skin's area
 
-class Hosts {
-public:
-    Hosts(const VolumeMesh& before, const MeshEdit& edit) : mesh_(edit.mesh), delta_(edit.delta), parts_(before.element_count()) {
-        for (std::size_t e = 0; e < delta_.element_parent.size(); ++e) parts_[std::size_t(delta_.element_parent[e])].push_back(std::int32_t(e));
-        // Elements at a vertex that was made or lost its neighbours: elsewhere nothing can be torn.
-        std::vector<char> torn(mesh_.vertices.size(), 0);
-        for (const std::int32_t v : delta_.added_vertices()) torn[std::size_t(v)] = 1;
-        for (const std::int32_t v : delta_.added_vertices()) {
-            const VertexParents& p = delta_.vertex_parents[std::size_t(v)];
-            if (p.vertex[1] < 0 && delta_.vertex_to_new[std::size_t(p.vertex[0])] >= 0) torn[std::size_t(delta_.vertex_to_new[std::size_t(p.vertex[0])])] = 1;
-        }
-        near_cut_.resize(mesh_.element_count(), 0);
-        around_.resize(mesh_.vertices.size());
-        for (std::size_t e = 0; e < mesh_.element_count(); ++e)
-            for (const std::int32_t v : element_vertices(mesh_, e)) {
-                near_cut_[e] = char(near_cut_[e] | torn[std::size_t(v)]);
-                around_[std::size_t(v)].push_back(std::int32_t(e));
-            }
-        for (int ring = 0; ring < kHops; ++ring) {  // a triangle may reach across from elements that the cut did not touch
-            for (std::size_t e = 0; e < near_cut_.size(); ++e)
-                if (near_cut_[e])
-                    for (const std::int32_t v : element_vertices(mesh_, e)) torn[std::size_t(v)] = 1;
-            for (std::size_t v = 0; v < torn.size(); ++v)
-                if (torn[v])
-                    for (const std::int32_t e : around_[v]) near_cut_[std::size_t(e)] = 1;
-        }
+/// Axes of what was laid open, the one across it last: a flat cut is mapped onto its plane, anything else from its six sides.
+Mat3 axes_of(const mesh::OpenedSurface& opened) {
+    Mat3 sum = Mat3::Zero();
+    for (std::size_t c = 0; c < opened.faces; ++c) {
+        const Triangle& t = opened.surface.triangles[c];
+        const auto x = [&](std::size_t k) -> const Vec3& { return opened.surface.vertices[std::size_t(t[k])]; };
+        const Vec3 area = (x(1) - x(0)).cross(x(2) - x(0));
+        if (area.norm() > 0) sum += area * area.transpose() / area.norm();
     }
-
-    bool lives(std::int32_t old) const { return !parts_[std::size_t(old)].empty(); }
-    bool near_cut(std::int32_t element) const { return near_cut_[std::size_t(element)] != 0; }
-
-    /// The element that a rest point lies in, or that of host() where it lies in none.
-    std::int32_t holding(std::span<const std::int32_t> old, const Vec3& x) {
-        if (!locator_) locator_.emplace(mesh_);
-        const std::int32_t e = locator_->holding(x);
-        return e >= 0 ? e : host(old, x);
+    Mat3 axes = Eigen::SelfAdjointEigenSolver<Mat3>(sum).eigenvectors();
+    for (Eigen::Index k = 0; k < 3; ++k) {  // always the same way round
+        Eigen::Index most = 0;
+        axes.col(k).cwiseAbs().maxCoeff(&most);
+        if (axes(most, k) < 0) axes.col(k) *= -1;
     }
+    return axes;
+}
 
-    /// The part of one of some old elements that a rest point lies in, or is least outside of; -1 where none lives.
-    std::int32_t host(std::span<const std::int32_t> old, const Vec3& x) const {
-        std::int32_t best = -1;
-        double best_weight = 0;
-        for (const std::int32_t o : old)
-            for (const std::int32_t e : parts_[std::size_t(o)]) {
-                std::array<double, Embedding::kMaxCorners> w{};
-                shape_weights(mesh_, e, x, w);
-                const double least = *std::min_element(w.begin(), w.begin() + std::ptrdiff_t(element_vertices(mesh_, e).size()));
-                if (best >= 0 && least <= best_weight) continue;
-                best = e;
-                best_weight = least;
-            }
-        return best;
-    }
-
-    bool joined(std::int32_t a, std::int32_t b) {
-        if (a == b || (!near_cut(a) && !near_cut(b))) return true;
-        const auto [known, is_new] = joined_.try_emplace(std::minmax(a, b), false);
-        if (!is_new) return known->second;
-        std::set<std::int32_t> seen{a};
-        std::vector<std::int32_t> front{a};
-        for (int hop = 0; hop < kHops && !seen.contains(b); ++hop) {
-            std::vector<std::int32_t> next;
-            for (const std::int32_t e : front)
-                for (const std::int32_t v : element_vertices(mesh_, e))
-                    for (const std::int32_t n : around_[std::size_t(v)])
-                        if (seen.insert(n).second) next.push_back(n);
-            front = std::move(next);
-        }
-        return known->second = seen.contains(b);
-    }
-
-private:
-    const VolumeMesh& mesh_;
-    const TopologyDelta& delta_;
-    std::vector<std::vector<std::int32_t>> parts_, around_;
-    std::vector<char> near_cut_;
-    std::map<std::pair<std::int32_t, std::int32_t>, bool> joined_;
-    std::optional<ElementLocator> locator_;
-};
+bool merges(const TopologyDelta& delta) {
+    for (std::size_t v = 0; v < delta.vertex_parents.size(); ++v)
+        if (delta.is_merged(v)) return true;
+    return false;
+}
 
 }  // namespace
 
+Skin::Skin(Parts parts, const VolumeMesh& mesh)
+    : surface_(std::move(parts.surface)), texture_(std::move(parts.texture)), opened_(std::move(parts.opened)), embedding_(Embedding::bound(mesh, surface_.vertices, std::move(parts.element))),
+      mesh_vertices_(mesh.vertices.size()), origin_(std::move(parts.origin)) {}
+
+std::shared_ptr<const Skin::Origin> Skin::origin() const { return origin_ ? origin_ : std::make_shared<const Origin>(Origin{surface_, texture_, area_of(surface_)}); }
+
 std::shared_ptr<const Skin> Skin::follow(const VolumeMesh& before, const MeshEdit& edit) const {
-    Hosts hosts(before, edit);
-    const std::span<const std::int32_t> was = embedding_.elements();
-    mesh::TriangleMesh out;
-    std::vector<std::int32_t> element;
-    std::map<std::pair<std::int32_t, std::int32_t>, std::int32_t> number;  // (old point, element it is bound to)
-    std::vector<std::int32_t> own(was.size());
-    for (std::size_t p = 0; p < was.size(); ++p) own[p] = hosts.host({&was[p], 1}, surface_.vertices[p]);
-    const auto add = [&](std::int32_t p, std::int32_t e) {
-        const auto [known, is_new] = number.try_emplace({p, e}, std::int32_t(out.vertices.size()));
-        if (is_new) {
-            out.vertices.push_back(surface_.vertices[std::size_t(p)]);
-            element.push_back(e);
-        }
-        return known->second;
-    };
-    for (const Triangle& t : surface_.triangles) {
-        const std::array<std::int32_t, 3> old{was[std::size_t(t[0])], was[std::size_t(t[1])], was[std::size_t(t[2])]};
-        if (std::count_if(old.begin(), old.end(), [&](std::int32_t e) { return hosts.lives(e); }) < 2) continue;  // gone with its elements
-        const Vec3 middle = (surface_.vertices[std::size_t(t[0])] + surface_.vertices[std::size_t(t[1])] + surface_.vertices[std::size_t(t[2])]) / 3;
-        const bool near = std::any_of(t.begin(), t.end(), [&](std::int32_t p) { return own[std::size_t(p)] < 0 || hosts.near_cut(own[std::size_t(p)]); });
-        const std::int32_t host = near ? hosts.holding(old, middle) : hosts.host(old, middle);
-        Triangle now{};
-        for (std::size_t k = 0; k < 3; ++k) {
-            const std::int32_t e = own[std::size_t(t[k])];
-            now[k] = add(t[k], e >= 0 && hosts.joined(e, host) ? e : host);
-        }
-        out.triangles.push_back(now);
-    }
-    const std::vector<std::int32_t> parent = boundary_parents(before, edit);
-    const BoundarySurface boundary = extract_boundary(edit.mesh);
-    std::map<std::int32_t, std::int32_t> corner;
-    for (std::size_t t = 0; t < parent.size(); ++t) {
-        if (parent[t] >= 0) continue;
-        Triangle now{};
-        for (std::size_t k = 0; k < 3; ++k) {
-            const std::int32_t v = boundary.triangles[t][k];
-            const auto [known, is_new] = corner.try_emplace(v, std::int32_t(out.vertices.size()));
-            if (is_new) {
-                out.vertices.push_back(edit.mesh.vertices[std::size_t(v)]);
-                element.push_back(boundary.element[t]);
+    if (merges(edit.delta)) return healed(before, edit);
+    Parts out;
+    mesh::SkinCut cut = mesh::cut_skin(surface_, embedding_, before, edit);
+    out.surface = std::move(cut.surface);
+    out.element = std::move(cut.element);
+    out.origin = origin();
+    const mesh::Hosts hosts(before, edit);
+    const Mat3 axes = axes_of(cut.opened);
+    for (const mesh::SkinPiece& piece : cut.pieces) {
+        const auto x = [&](std::size_t k) -> const Vec3& { return cut.rest[std::size_t(piece.corner[k])]; };
+        const Vec3 middle = (x(0) + x(1) + x(2)) / 3;
+        TextureCorners uv{};
+        if (piece.lip >= 0) {
+            Eigen::Index across = 2;
+            ((x(1) - x(0)).cross(x(2) - x(0)).transpose() * axes).cwiseAbs().maxCoeff(&across);
+            for (std::size_t k = 0; k < 3; ++k) uv[k] = {axes.col((across + 1) % 3).dot(x(k)), axes.col((across + 2) % 3).dot(x(k))};
+            out.opened.push_back(piece.element);
+        } else {
+            const Triangle& t = surface_.triangles[std::size_t(piece.triangle)];
+            for (std::size_t k = 0; k < 3 && !texture_.empty(); ++k) {
+                const auto w = mesh::barycentric(x(k), surface_.vertices[std::size_t(t[0])], surface_.vertices[std::size_t(t[1])], surface_.vertices[std::size_t(t[2])]);
+                for (std::size_t c = 0; c < 2; ++c)
+                    for (std::size_t m = 0; m < 3; ++m) uv[k][c] += w[m] * texture_[std::size_t(piece.triangle)][m][c];
             }
-            now[k] = known->second;
+            const std::int32_t inner = opened_.empty() ? -1 : opened_[std::size_t(piece.triangle)];
+            out.opened.push_back(inner < 0 ? -1 : hosts.host({&inner, 1}, middle));
         }
-        out.triangles.push_back(now);
+        out.texture.push_back(uv);
     }
-    Embedding embedding = Embedding::bound(edit.mesh, out.vertices, std::move(element));
-    return std::shared_ptr<const Skin>(new Skin(std::move(out), std::move(embedding), edit.mesh.vertices.size()));
+    const bool has_inner = std::any_of(out.opened.begin(), out.opened.end(), [](std::int32_t e) { return e >= 0; });
+    if (texture_.empty() && !has_inner) out.texture.clear();
+    return std::shared_ptr<const Skin>(new Skin(std::move(out), edit.mesh));
+}
+
+std::shared_ptr<const Skin> Skin::healed(const VolumeMesh& before, const MeshEdit& edit) const {
+    const mesh::Hosts hosts(before, edit);
+    const BoundarySurface boundary = extract_boundary(edit.mesh);
+    // An opened face is shut where its element has no boundary there any more.
+    const auto is_shut = [&](std::int32_t element, const Vec3& x, double size) {
+        const auto first = std::lower_bound(boundary.element.begin(), boundary.element.end(), element);
+        for (auto i = first; i != boundary.element.end() && *i == element; ++i) {
+            const Triangle& t = boundary.triangles[std::size_t(i - boundary.element.begin())];
+            const auto X = [&](std::size_t k) -> const Vec3& { return edit.mesh.vertices[std::size_t(t[k])]; };
+            if (nearest_on_triangle(x, X(0), X(1), X(2)).distance < 1e-5 * size) return false;
+        }
+        return true;
+    };
+    Parts out;
+    out.origin = origin();
+    double area = 0;
+    bool inner = false;
+    std::map<std::int32_t, std::int32_t> number;
+    struct Bound {
+        Vec3 x;
+        std::vector<std::pair<std::int32_t, double>> weights;
+        std::int32_t vertex;
+    };
+    std::map<std::array<double, 3>, std::vector<Bound>> at;  // vertices by place: those of two lips that move alike from now on are one
+    const auto vertex = [&](std::int32_t p) {
+        const auto [known, is_new] = number.try_emplace(p, -1);
+        if (!is_new) return known->second;
+        const Vec3& x = surface_.vertices[std::size_t(p)];
+        const std::int32_t e = hosts.host({&embedding_.elements()[std::size_t(p)], 1}, x);
+        std::array<double, Embedding::kMaxCorners> w{};
+        shape_weights(edit.mesh, e, x, w);
+        Bound bound{x, {}, std::int32_t(out.surface.vertices.size())};
+        const auto ids = element_vertices(edit.mesh, std::size_t(e));
+        for (std::size_t k = 0; k < ids.size(); ++k)
+            if (std::abs(w[k]) > 1e-6) bound.weights.emplace_back(ids[k], w[k]);
+        std::sort(bound.weights.begin(), bound.weights.end());
+        std::vector<Bound>& here = at[{x[0], x[1], x[2]}];
+        for (const Bound& other : here) {
+            bool same = other.weights.size() == bound.weights.size();
+            for (std::size_t k = 0; same && k < bound.weights.size(); ++k)
+                same = other.weights[k].first == bound.weights[k].first && std::abs(other.weights[k].second - bound.weights[k].second) < 1e-5;
+            if (same) return known->second = other.vertex;
+        }
+        out.surface.vertices.push_back(x);
+        out.element.push_back(e);
+        here.push_back(bound);
+        return known->second = bound.vertex;
+    };
+    for (std::size_t t = 0; t < surface_.triangles.size(); ++t) {
+        const Triangle& old = surface_.triangles[t];
+        const auto x = [&](std::size_t k) -> const Vec3& { return surface_.vertices[std::size_t(old[k])]; };
+        const Vec3 normal = (x(1) - x(0)).cross(x(2) - x(0));
+        std::int32_t opened = -1;
+        if (is_inner(t)) {
+            const Vec3 middle = (x(0) + x(1) + x(2)) / 3;
+            opened = hosts.host({&opened_[t], 1}, middle);
+            const auto ids = element_vertices(edit.mesh, std::size_t(opened));
+            if (is_shut(opened, middle, (edit.mesh.vertices[std::size_t(ids[0])] - edit.mesh.vertices[std::size_t(ids[1])]).norm())) continue;
+            inner = true;
+        } else {
+            area += 0.5 * normal.norm();
+        }
+        const Triangle now{vertex(old[0]), vertex(old[1]), vertex(old[2])};
+        if (now[0] == now[1] || now[1] == now[2] || now[2] == now[0]) continue;
+        out.surface.triangles.push_back(now);
+        out.opened.push_back(opened);
+        if (!texture_.empty()) out.texture.push_back(texture_[t]);
+    }
+    if (!inner && std::abs(area - out.origin->area) <= kHealedArea * out.origin->area)
+        return std::shared_ptr<const Skin>(new Skin(out.origin->surface, out.origin->texture, edit.mesh));
+    return std::shared_ptr<const Skin>(new Skin(std::move(out), edit.mesh));
 }
 
 }  // namespace supple

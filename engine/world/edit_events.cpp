@@ -58,8 +58,9 @@ std::vector<std::int32_t> elements_near(const World& world, BodyId body, const V
     return out;
 }
 
-EditScript::EditScript(std::vector<CutEvent> cuts, std::vector<EraseEvent> erasures, std::vector<HealEvent> heals)
-    : cuts_(std::move(cuts)), erasures_(std::move(erasures)), heals_(std::move(heals)) {
+EditScript::EditScript(std::vector<CutEvent> cuts, std::vector<EraseEvent> erasures, std::vector<HealEvent> heals, std::vector<AddEvent> additions)
+    : cuts_(std::move(cuts)), erasures_(std::move(erasures)), heals_(std::move(heals)), additions_(std::move(additions)) {
+    for (const AddEvent& add : additions_) require_in_range(add.time_s, 0, 1e9, "AddEvent.time_s");
     for (const HealEvent& heal : heals_) {
         require_in_range(heal.time_s, 0, 1e9, "HealEvent.time_s");
         if (!(heal.def.gap_m > 0 && std::isfinite(heal.def.gap_m))) refuse("HealEvent.gap_m", to_text(heal.def.gap_m) + " must be above 0");
@@ -117,6 +118,8 @@ std::size_t EditScript::before_step(World& world) const {
     }
     for (const HealEvent& heal : heals_)
         if (step == step_of(heal.time_s, h)) edits += !world.heal(heal.body, heal.def).is_identity();
+    for (const AddEvent& add : additions_)
+        if (step == step_of(add.time_s, h)) edits += !world.add_elements(add.body, add.elements).is_identity();
     return edits;
 }
 

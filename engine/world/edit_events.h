@@ -29,25 +29,35 @@ struct HealEvent {
     double time_s = 0;
 };
 
+/// Elements that are added at a moment, numbered as the body is then.
+struct AddEvent {
+    BodyId body{};
+    AddedElements elements{};
+    double time_s = 0;
+};
+
 /// Edits on a timeline. What happens before a step depends on the number of the step alone: a run that a snapshot continues is the same.
 class EditScript {
 public:
     EditScript() = default;
     /// @error Error(invalid_argument) naming the field
-    EditScript(std::vector<CutEvent> cuts, std::vector<EraseEvent> erasures, std::vector<HealEvent> heals = {});
+    EditScript(std::vector<CutEvent> cuts, std::vector<EraseEvent> erasures, std::vector<HealEvent> heals = {}, std::vector<AddEvent> additions = {});
 
     /// Call before each step. An erasure that would leave nothing leaves the body as it is.
     /// @return  edits made
+    /// @error   as World::add_elements(), where what is to be added does not fit the body
     std::size_t before_step(World& world) const;
 
     const std::vector<CutEvent>& cuts() const { return cuts_; }
     const std::vector<EraseEvent>& erasures() const { return erasures_; }
     const std::vector<HealEvent>& heals() const { return heals_; }
+    const std::vector<AddEvent>& additions() const { return additions_; }
 
 private:
     std::vector<CutEvent> cuts_;
     std::vector<EraseEvent> erasures_;
     std::vector<HealEvent> heals_;
+    std::vector<AddEvent> additions_;
 };
 
 /// Mean length of the edges of the elements at rest [m].
