@@ -18,7 +18,7 @@ struct Options {
     bool contact = false, irregular = false;
 };
 
-struct Run {
+struct Bar {
     World world;
     BodyId body;
 
@@ -35,7 +35,7 @@ struct Run {
         def.solver.rayleigh_stiffness_s = 1e-4;
         return def;
     }
-    explicit Run(const Options& o) : world(make(o)) {
+    explicit Bar(const Options& o) : world(make(o)) {
         BodyDef def;
         def.shape = o.irregular ? test::irregular_hex_cube(5, 0.2, 3) : test::hex_bar(o.cells);
         def.material = Corotational{.young_pa = o.young_pa, .poisson = 0.4};
@@ -44,18 +44,24 @@ struct Run {
         world.fix(body, VertexList{{o.cells[0]}}, {false, false, true});  // one coordinate alone
         if (o.contact) world.add_collider({.shape = BoxShape{Vec3(0.05, 0.05, 0.2)}, .pose = {Vec3(0.36, -0.06, 0.05), {1, 0, 0, 0}}});
     }
-    void run(int steps) {
-        for (int n = 0; n < steps; ++n) EXPECT_EQ(world.step().flags, StepFlag::none);
+    /// Returns the contacts of the last step.
+    int run(int steps) {
+        StepReport report;
+        for (int n = 0; n < steps; ++n) {
+            report = world.step();
+            EXPECT_EQ(report.flags, StepFlag::none);
+        }
+        return report.contacts;
     }
 };
 
 /// Motions of the same run by the elements and by the matrix agree as far as the solves go; that they are not the same bits shows that both were at work.
 void expect_same_motion(Options o, int steps, double tolerance, bool both = true) {
     o.operator_kind = OperatorKind::matrix_free;
-    Run elements(o);
+    Bar elements(o);
     o.operator_kind = OperatorKind::assembled;
-    Run matrix(o);
-    elements.run(steps);
+    Bar matrix(o);
+    EXPECT_EQ(elements.run(steps) > 0, o.contact);
     matrix.run(steps);
     EXPECT_LT(test::relative_difference(elements.world.positions(elements.body), matrix.world.positions(matrix.body)), tolerance);
     EXPECT_EQ(elements.world.hash() != matrix.world.hash(), both);
@@ -64,12 +70,12 @@ void expect_same_motion(Options o, int steps, double tolerance, bool both = true
 TEST(WorldOperator, MovesABodyAsItsMatrixDoesWithEveryPreconditioner) {
     for (const PreconditionerKind kind : {PreconditionerKind::block_jacobi, PreconditionerKind::lattice_multigrid, PreconditionerKind::scalar_laplacian}) {
         SCOPED_TRACE(int(kind));
-        expect_same_motion({.preconditioner = kind}, 20, 1e-7);
-        expect_same_motion({.preconditioner = kind, .contact = true}, 20, 1e-5);
-        expect_same_motion({.preconditioner = kind, .tangent = Tangent::exact}, 20, 1e-7);
-        expect_same_motion({.preconditioner = kind, .irregular = true}, 10, 1e-7);
+        expect_same_motion({.preconditioner = kind}, 10, 1e-7);
+        expect_same_motion({.preconditioner = kind, .contact = true}, 10, 3e-4);  // contacts agree to half a percent of their forces
+        expect_same_motion({.preconditioner = kind, .tangent = Tangent::exact}, 10, 1e-7);
+        expect_same_motion({.preconditioner = kind, .irregular = true}, 5, 1e-7);
     }
-    expect_same_motion({.preconditioner = PreconditionerKind::block_jacobi, .precision = Precision::double_}, 20, 1e-8);
+    expect_same_motion({.preconditioner = PreconditionerKind::block_jacobi, .precision = Precision::double_}, 10, 1e-8);
 }
 
 TEST(WorldOperator, LeavesTheMatrixToWhatNeedsItsEntries) {
@@ -79,7 +85,7 @@ TEST(WorldOperator, LeavesTheMatrixToWhatNeedsItsEntries) {
 
 TEST(WorldOperator, IsChosenForLatticesOfHexesAndNotForFreeShapes) {
     const auto hash = [](OperatorKind kind, bool irregular) {
-        Run r({.operator_kind = kind, .irregular = irregular});
+        Bar r({.operator_kind = kind, .irregular = irregular});
         r.run(5);
         return r.world.hash();
     };
@@ -91,25 +97,25 @@ TEST(WorldOperator, IsChosenForLatticesOfHexesAndNotForFreeShapes) {
 TEST(WorldOperator, TakesAsManyIterationsAsTheMatrix) {
     int iterations[2] = {0, 0};
     for (const bool elements : {false, true}) {
-        Run r({.operator_kind = elements ? OperatorKind::matrix_free : OperatorKind::assembled, .preconditioner = PreconditionerKind::lattice_multigrid, .tolerance = 1e-5});
+        Bar r({.operator_kind = elements ? OperatorKind::matrix_free : OperatorKind::assembled, .preconditioner = PreconditionerKind::lattice_multigrid, .tolerance = 1e-5});
         for (int n = 0; n < 20; ++n) iterations[elements] += r.world.step().cg_iterations;
     }
     EXPECT_NEAR(iterations[1], iterations[0], 0.05 * iterations[0]) << "its smoother is not that of the matrix";
 }
 
 TEST(WorldOperator, GivesTheSameBitsWhateverTheTeamAndAfterASnapshot) {
-    const Options o{.cells = {27, 13, 13}, .tolerance = 1e-4, .young_pa = 1e6, .contact = true};  // 4,563: large enough to share
+    const Options o{.cells = {27, 13, 13}, .tolerance = 1e-3, .contact = true};  // 4,563: large enough to share
     std::vector<std::uint64_t> hashes;
     for (const int threads : {1, 2, 3, 8}) {
         Options with = o;
         with.threads = threads;
-        Run first(with);
-        first.run(3);
+        Bar first(with);
+        EXPECT_GT(first.run(6), 0);
         const auto snapshot = first.world.save();
-        first.run(4);
-        Run second(with);
+        first.run(2);
+        Bar second(with);
         second.world.restore(snapshot);
-        second.run(4);
+        second.run(2);
         EXPECT_EQ(first.world.hash(), second.world.hash());
         hashes.push_back(first.world.hash());
     }
@@ -119,7 +125,7 @@ TEST(WorldOperator, GivesTheSameBitsWhateverTheTeamAndAfterASnapshot) {
 TEST(WorldOperator, FollowsEditsMaterialsAndSupports) {
     std::vector<Vec3> end[2];
     for (const bool elements : {false, true}) {
-        Run r({.operator_kind = elements ? OperatorKind::matrix_free : OperatorKind::assembled, .preconditioner = PreconditionerKind::lattice_multigrid});
+        Bar r({.operator_kind = elements ? OperatorKind::matrix_free : OperatorKind::assembled, .preconditioner = PreconditionerKind::lattice_multigrid});
         r.run(4);
         r.world.remove_elements(r.body, std::vector<std::int32_t>{70, 71, 72, 200});
         r.run(8);
@@ -137,7 +143,7 @@ TEST(WorldOperator, FollowsEditsMaterialsAndSupports) {
 }
 
 TEST(WorldOperator, AResponseFindsTheMatrixOfTheLastStep) {
-    Run elements({.operator_kind = OperatorKind::matrix_free}), matrix({.operator_kind = OperatorKind::assembled});
+    Bar elements({.operator_kind = OperatorKind::matrix_free}), matrix({.operator_kind = OperatorKind::assembled});
     elements.run(4);
     matrix.run(4);
     const std::uint64_t before = elements.world.hash();
@@ -154,7 +160,7 @@ TEST(WorldOperator, AResponseFindsTheMatrixOfTheLastStep) {
     EXPECT_LT((A - B).norm(), 1e-5 * B.norm());
     EXPECT_EQ(elements.world.hash(), before);
     elements.run(3);  // looking changes nothing
-    Run unseen({.operator_kind = OperatorKind::matrix_free});
+    Bar unseen({.operator_kind = OperatorKind::matrix_free});
     unseen.run(7);
     EXPECT_EQ(elements.world.hash(), unseen.world.hash());
 }
