@@ -5,6 +5,7 @@
 #include <map>
 
 #include "supple/base/assert.h"
+#include "supple/fem/hex8_stiffness.h"
 
 namespace supple::fem {
 

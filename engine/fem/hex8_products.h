@@ -8,9 +8,10 @@
 #include "supple/base/parallel.h"
 #include "supple/fem/element_products.h"
 #include "supple/fem/hex8.h"
-#include "supple/fem/hex8_stiffness.h"
 
 namespace supple::fem {
+
+struct HexStiffness;
 
 /// Products with the stiffness of hexahedra in a frame, element by element: no matrix is made, so a step that needs few products is spared its assembly,
 /// and what is read for each is the rotations and one stiffness for all elements of one shape. Elements come in groups of sixteen: one AVX-512 batch of

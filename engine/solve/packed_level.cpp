@@ -57,7 +57,7 @@ PackedLevel::PackedLevel(Isa isa, std::span<const std::int32_t> row_start, std::
 }
 
 std::size_t PackedLevel::bytes() const {
-    return value_.size() * 2 + column_.size() * 4 + (inverse_.size() + 2 * scale_.size() + 4 * r.size()) * 4;
+    return value_.size() * 2 + column_.size() * 4 + (inverse_.size() + 2 * scale_.size() + 4 * r.size() + product_.size()) * 4;
 }
 
 template <class Real>
