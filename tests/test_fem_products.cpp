@@ -157,7 +157,7 @@ TEST(HexProducts, AreThoseOfTheMatrixWhereShapesAndMaterialsDiffer) {
 }
 
 TEST(HexProducts, ArePreferredWhereMostElementsShareTheirShape) {
-    const auto prefers = [](const std::shared_ptr<const BodyTemplate>& shape, const fem::ElementMaterials& materials, bool rows = true) {
+    const auto prefers = [](const std::shared_ptr<const BodyTemplate>& shape, const fem::ElementMaterials& materials, Isa isa, bool rows = true) {
         const TemplateData& data = shape->data();
         fem::ElementsDef def;
         def.layout = &data.layout;
@@ -165,16 +165,19 @@ TEST(HexProducts, ArePreferredWhereMostElementsShareTheirShape) {
         if (rows) def.pattern.row = data.pattern.row;
         for (const auto& map : data.gather) def.contributions.push_back({map.start, map.pair});
         def.precision = fem::MatrixPrecision::single;
-        def.isa = Isa::scalar;
+        def.isa = isa;
         const auto elements = fem::make_elements(def, materials);
         return std::pair(elements->has_products(), elements->prefers_products());
     };
     const fem::ElementMaterials corotational = one(Corotational{.young_pa = 1e4, .poisson = 0.4});
-    EXPECT_EQ(prefers(test::hex_bar({8, 4, 4}), corotational), std::pair(true, true));
-    EXPECT_EQ(prefers(test::hex_bar({8, 4, 4}), corotational, false), std::pair(false, false));
-    EXPECT_EQ(prefers(test::irregular_hex_cube(3, 0.2, 17), corotational), std::pair(true, false));
-    EXPECT_EQ(prefers(test::hex_bar({8, 4, 4}), one(NeoHookean{1e4, 4e4})), std::pair(false, false));
-    EXPECT_EQ(prefers(test::bar({4, 2, 2}), corotational), std::pair(false, false));
+    for (const Isa isa : test::supported_isas()) {
+        const bool wide = isa == Isa::avx2 || isa == Isa::avx512;
+        EXPECT_EQ(prefers(test::hex_bar({8, 4, 4}), corotational, isa), std::pair(true, wide)) << name(isa);
+        EXPECT_EQ(prefers(test::hex_bar({8, 4, 4}), corotational, isa, false), std::pair(false, false));
+        EXPECT_EQ(prefers(test::irregular_hex_cube(3, 0.2, 17), corotational, isa), std::pair(true, false));
+        EXPECT_EQ(prefers(test::hex_bar({8, 4, 4}), one(NeoHookean{1e4, 4e4}), isa), std::pair(false, false));
+        EXPECT_EQ(prefers(test::bar({4, 2, 2}), corotational, isa), std::pair(false, false));
+    }
 }
 
 }  // namespace

@@ -89,8 +89,9 @@ TEST(WorldOperator, IsChosenForLatticesOfHexesAndNotForFreeShapes) {
         r.run(5);
         return r.world.hash();
     };
-    EXPECT_EQ(hash(OperatorKind::automatic, false), hash(OperatorKind::matrix_free, false));
-    EXPECT_NE(hash(OperatorKind::automatic, false), hash(OperatorKind::assembled, false));
+    const bool wide = best_isa() == Isa::avx2 || best_isa() == Isa::avx512;
+    EXPECT_EQ(hash(OperatorKind::automatic, false) == hash(OperatorKind::matrix_free, false), wide);
+    EXPECT_EQ(hash(OperatorKind::automatic, false) == hash(OperatorKind::assembled, false), !wide);
     EXPECT_EQ(hash(OperatorKind::automatic, true), hash(OperatorKind::assembled, true));
 }
 
@@ -104,7 +105,7 @@ TEST(WorldOperator, TakesAsManyIterationsAsTheMatrix) {
 }
 
 TEST(WorldOperator, GivesTheSameBitsWhateverTheTeamAndAfterASnapshot) {
-    const Options o{.cells = {27, 13, 13}, .tolerance = 1e-3, .contact = true};  // 4,563: large enough to share
+    const Options o{.cells = {27, 13, 13}, .tolerance = 1e-4, .young_pa = 1e6, .contact = true};  // 4,563: large enough to share
     std::vector<std::uint64_t> hashes;
     for (const int threads : {1, 2, 3, 8}) {
         Options with = o;

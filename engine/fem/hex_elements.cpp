@@ -82,8 +82,8 @@ public:
     }
 
     bool has_products() const override { return !def_.pattern.row.empty(); }
-    // A group of several shapes reads a stiffness per lane: some 28 kB for what one shape has in 2.
-    bool prefers_products() const override { return has_products() && shared_part_ > kSharedEnough; }
+    // A group of several shapes reads a stiffness per lane: some 28 kB for what one shape has in 2. Four lanes or one are too few to outrun the matrix (tests/bench/README.md).
+    bool prefers_products() const override { return has_products() && shared_part_ > kSharedEnough && (def_.isa == Isa::avx2 || def_.isa == Isa::avx512); }
     ElementProducts<float>* products(Team& team, const double* quaternion, double factor, float) override { return turned(products_f_, team, quaternion, factor); }
     ElementProducts<double>* products(Team& team, const double* quaternion, double factor, double) override { return turned(products_d_, team, quaternion, factor); }
 
