@@ -83,6 +83,18 @@ TEST(WorldOperator, LeavesTheMatrixToWhatNeedsItsEntries) {
     expect_same_motion({.preconditioner = PreconditionerKind::lattice_multigrid, .precision = Precision::double_}, 5, 1e-12, false);
 }
 
+TEST(WorldOperator, LeavesIslandsOfSeveralToTheMatrix) {
+    std::vector<std::uint64_t> hashes;
+    for (const OperatorKind kind : {OperatorKind::matrix_free, OperatorKind::assembled}) {
+        Bar bar({.operator_kind = kind, .tolerance = 1e-5});
+        const BodyId hung = bar.world.add_body({.shape = test::hex_bar({8, 2, 2}), .material = Corotational{.young_pa = 1e5, .poisson = 0.4}, .translation_m = Vec3(0, -0.2, 0)});
+        bar.world.attach({.body = bar.body, .vertices = {16, -1, -1, -1}, .other = hung, .other_vertices = {8, -1, -1, -1}});
+        bar.run(3);
+        hashes.push_back(bar.world.hash());
+    }
+    EXPECT_EQ(hashes[0], hashes[1]);
+}
+
 TEST(WorldOperator, IsChosenForLatticesOfHexesAndNotForFreeShapes) {
     const auto hash = [](OperatorKind kind, bool irregular) {
         Bar r({.operator_kind = kind, .irregular = irregular});
