@@ -158,6 +158,9 @@ void add_bench_command(CLI::App& app, int& status) {
                                                                                       {"block_jacobi", PreconditionerKind::block_jacobi},
                                                                                       {"lattice_multigrid", PreconditionerKind::lattice_multigrid},
                                                                                       {"scalar_laplacian", PreconditionerKind::scalar_laplacian}}));
+    command->add_option("--operator", o->operator_kind, "what the solves multiply by; not of scenes and demos [auto]")
+        ->transform(CLI::CheckedTransformer(std::map<std::string, OperatorKind>{
+            {"auto", OperatorKind::automatic}, {"assembled", OperatorKind::assembled}, {"matrix_free", OperatorKind::matrix_free}}));
     add_haptics(*command, status);
     command->callback([o, command, &status] {
         if (command->get_subcommands().empty()) status = bench(*o);

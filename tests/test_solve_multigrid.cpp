@@ -134,6 +134,53 @@ TEST(SolveMultigrid, TurnsWithTheBody) {
     expect_symmetric_and_positive<float>(turned, *P, "turned");
 }
 
+/// A matrix that shows its products and its diagonal alone.
+struct Products final : solve::Operator<float> {
+    explicit Products(const solve::Bsr3<float>& of) : A(of), diagonal_blocks(of.pattern->rows * 12) {
+        for (std::size_t row = 0; row < A.pattern->rows; ++row) {
+            std::copy_n(A.value.begin() + std::ptrdiff_t(A.pattern->diagonal[row]) * 12, 12, diagonal_blocks.begin() + std::ptrdiff_t(12 * row));
+        }
+    }
+    void begin_product(Team&, const float* x) override { begun = x; }
+    double product_rows(const float* x, float* y, std::size_t begin, std::size_t end) const override {
+        EXPECT_EQ(x, begun) << "rows of another product than the one that was begun";
+        const solve::Bsr3Pattern& p = *A.pattern;
+        return solve::bsr3_kernels<float>(best_isa()).multiply(p.row_start.data(), p.column.data(), A.value.data(), x, y, begin, end);
+    }
+    std::span<const float> diagonal() const override { return diagonal_blocks; }
+
+    const solve::Bsr3<float>& A;
+    AlignedVector<float> diagonal_blocks;
+    const float* begun = nullptr;
+};
+
+TEST(SolveMultigrid, AnOperatorInPlaceOfTheMatrixMakesTheSameCycle) {
+    ElasticProblem<float> problem(test::irregular_cube(8, 0.2, 3), {.young_pa = 1e6, .inclusion = 10}, mixed_supports);
+    Products products(problem.A);
+    const std::vector<std::int32_t> row = {200, 37, 411};  // of springs, stiff against the matrix, one of them tilted
+    const std::vector<Vec3> weight = {Vec3(1, 0.5, 0), Vec3(0, 0.7, 0.2), Vec3(0.3, 0, 0.4)};
+    Mat3 K;
+    K << 3, 1, 0, 1, 2, 0.5, 0, 0.5, 4;
+    for (const std::size_t rows : {std::size_t(0), std::size_t(3)}) {
+        const solve::AppendedRow spring{std::span(row).first(rows), std::span(weight).first(rows), 20 * K};
+        const std::span<const solve::AppendedRow> appended(&spring, rows > 0 ? 1 : 0);
+        const auto P = problem.multigrid(best_isa());
+        const auto r = random_vector(problem, 5);
+        AlignedVector<float> by_matrix(r.size()), by_products(r.size());
+        P->update(problem.team, problem.A, appended);
+        P->apply(problem.team, r.data(), by_matrix.data());
+        P->update(problem.team, products, appended);
+        P->apply(problem.team, r.data(), by_products.data());
+        AlignedVector<float> difference(r.size());
+        for (std::size_t i = 0; i < r.size(); ++i) difference[i] = by_products[i] - by_matrix[i];
+        EXPECT_LT(std::sqrt(dot(difference, difference)), 2e-3 * std::sqrt(dot(by_matrix, by_matrix)));
+        expect_symmetric_and_positive<float>(problem, *P, "operator");
+        P->update(problem.team, problem.A, appended);  // and back
+        P->apply(problem.team, r.data(), by_products.data());
+        EXPECT_EQ(by_products, by_matrix);
+    }
+}
+
 TEST(SolveMultigrid, AppendedRowsReachTheCoarseLevel) {
     ElasticProblem<float> problem(test::irregular_cube(12, 0.2, 13), {.young_pa = 1e5}, clamp_low_x);
     std::vector<std::int32_t> rows;

@@ -35,6 +35,7 @@ WorldDef world_def(const BenchOptions& o, double tolerance, double time_step_s =
     def.isa = o.show.isa;
     def.solver.cg_relative_tolerance = tolerance;
     def.solver.preconditioner = o.preconditioner;
+    def.solver.operator_kind = o.operator_kind;
     return def;
 }
 

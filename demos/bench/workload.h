@@ -22,6 +22,7 @@ struct BenchOptions {
     bool busy = false;                  ///< steps beside busy processes in place of the fixed set
     std::optional<double> tolerance{};  ///< of the bars' and meshes' solves, in place of 1e-3 and 1e-5
     PreconditionerKind preconditioner = PreconditionerKind::automatic;
+    OperatorKind operator_kind = OperatorKind::automatic;
 };
 
 /// Something to time. Its name says all that a comparison needs: "tets-12288-1e-3".

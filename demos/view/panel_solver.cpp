@@ -11,6 +11,7 @@ namespace supple::demos::view {
 namespace {
 
 constexpr std::array<std::string_view, 6> kKinds = {"automatic", "block Jacobi", "lattice multigrid", "scalar Laplacian", "direct", "automatic, timed"};
+constexpr std::array<std::string_view, 3> kOperators = {"automatic", "assembled", "matrix-free"};
 constexpr std::array<std::string_view, 4> kIntegrators = {"implicit Euler", "bdf2", "newmark", "static"};
 
 bool whole_number(const char* label, const char* id, int& value, int low, int high, const char* help) {
@@ -28,6 +29,11 @@ bool edit(SolverDef& solver) {
     int kind = int(solver.preconditioner);
     if (choice("Precond.", "preconditioner", kind, kKinds, "how the solves are sped up; none changes the answer beyond the tolerance")) {
         solver.preconditioner = PreconditionerKind(kind);
+        changed = true;
+    }
+    int multiplied = int(solver.operator_kind);
+    if (choice("Operator", "operator", multiplied, kOperators, "what the solves multiply by: hexes of one shape are faster without a matrix")) {
+        solver.operator_kind = OperatorKind(multiplied);
         changed = true;
     }
     changed |= slider("Mass damp.", "mass damping", solver.rayleigh_mass_1_s, 0, 50, "%.3g 1/s", "Rayleigh: like a thick fluid around the bodies", true);

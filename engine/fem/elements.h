@@ -6,6 +6,7 @@
 
 #include "supple/base/parallel.h"
 #include "supple/fem/element_layout.h"
+#include "supple/fem/element_products.h"
 #include "supple/material/material.h"
 
 namespace supple::fem {
@@ -13,6 +14,7 @@ namespace supple::fem {
 /// Index lists of the matrix that elements are assembled into (solve::Bsr3Pattern, which this room does not know).
 struct MatrixPattern {
     std::span<const std::int32_t> row_start, column, mirror;
+    std::span<const std::int32_t> row{};  ///< [vertex] its row; for products without the matrix
     std::size_t rows() const { return row_start.size() - 1; }
     std::size_t blocks() const { return column.size(); }
 };
@@ -57,6 +59,14 @@ public:
     /// With an empty diagonal_shift stiffness_scale K is added to what is there.
     virtual void assemble(Team& team, double stiffness_scale, std::span<const double> diagonal_shift, float* value) = 0;
     virtual void assemble(Team& team, double stiffness_scale, std::span<const double> diagonal_shift, double* value) = 0;
+
+    /// Whether products() can take the matrix's place, and whether it is the faster of the two.
+    virtual bool has_products() const { return false; }
+    virtual bool prefers_products() const { return false; }
+    /// The tangent of the last evaluation as an operator, in the precision given at construction. The first call allocates; what it gives back is good until the next evaluation with a tangent.
+    /// @pre has_products()   @param factor  of the stiffness
+    virtual ElementProducts<float>* products(Team&, const double* /*quaternion*/, double /*factor*/, float /*precision*/) { return nullptr; }
+    virtual ElementProducts<double>* products(Team&, const double* /*quaternion*/, double /*factor*/, double /*precision*/) { return nullptr; }
 
     /// Whether a part of the tangent is too wide for the matrix's pattern (NodalVolume): assemble() leaves it out, product() has it.
     virtual bool is_coupled() const { return false; }

@@ -4,6 +4,7 @@
 #include "supple/fem/element_passes.h"
 #include "supple/fem/hex8_hyper.h"
 #include "supple/fem/hex8_kernels.h"
+#include "supple/fem/hex8_products.h"
 #include "supple/fem/hex8_stiffness.h"
 #include "supple/fem/hyper_parameters.h"
 #include "supple/fem/rest.h"
@@ -34,6 +35,7 @@ public:
         lame_ = group_lame(*def.group, materials);
         moduli_ = make_moduli(rest_.blocks(), lame_);
         stiffness_ = make_hex_stiffness(rest_, lame_, group_integration(*def.group, materials), def.precision == MatrixPrecision::single);
+        shared_part_ = shared_part(stiffness_);
         const std::size_t lanes = rest_.blocks() * kBlock;
         const bool exact = def.exact_rotation && (frame_ == Frame::polar || frame_ == Frame::svd);
         if (exact) twist_.resize(lanes * 6);
@@ -79,6 +81,12 @@ public:
         team.for_range(rest_.blocks(), kBlockChunk, [&](std::size_t begin, std::size_t end) { kernels_.product(pass, begin, end); });
     }
 
+    bool has_products() const override { return !def_.pattern.row.empty(); }
+    // A group of several shapes reads a stiffness per lane: some 28 kB for what one shape has in 2. Four lanes or one are too few to outrun the matrix (tests/bench/README.md).
+    bool prefers_products() const override { return has_products() && shared_part_ > kSharedEnough && (def_.isa == Isa::avx2 || def_.isa == Isa::avx512); }
+    ElementProducts<float>* products(Team& team, const double* quaternion, double factor, float) override { return turned(products_f_, team, quaternion, factor); }
+    ElementProducts<double>* products(Team& team, const double* quaternion, double factor, double) override { return turned(products_d_, team, quaternion, factor); }
+
     bool is_plastic() const override { return flow_.any(); }
 
     void flow(Team& team, const double* position, double* quaternion, double* plastic, double h) override {
@@ -97,6 +105,16 @@ public:
 
 private:
     HexStiffnessView view() const { return {stiffness_.shared_d.data(), stiffness_.own.data(), stiffness_.place.data(), stiffness_.scale.data()}; }
+
+    static constexpr double kSharedEnough = 0.75;
+
+    template <class Real>
+    ElementProducts<Real>* turned(std::unique_ptr<HexProducts<Real>>& products, Team& team, const double* quaternion, double factor) {
+        SUPPLE_ASSERT(has_products());
+        if (!products) products = std::make_unique<HexProducts<Real>>(rest_, stiffness_, def_.pattern.row, def_.isa);
+        products->turn(team, quaternion, twist_.empty() ? nullptr : twist_.data(), stiffness_, factor);
+        return products.get();
+    }
 
     template <class Real, class Kernel>
     void assemble_rows(Team& team, double scale, std::span<const double> shift, const AlignedVector<Real>& stiffness, const AlignedVector<Real>& record,
@@ -119,6 +137,9 @@ private:
     std::vector<Lame> lame_;
     AlignedVector<double> moduli_;
     HexStiffness stiffness_;
+    double shared_part_ = 0;
+    std::unique_ptr<HexProducts<float>> products_f_;
+    std::unique_ptr<HexProducts<double>> products_d_;
     PlasticFlow flow_;
     AlignedVector<double> twist_;       ///< of the last tangent; only where it is exact
     AlignedVector<float> record_f_, twist_f_;

@@ -12,7 +12,10 @@ SolverDef read_solver(const JsonNode& node) {
         solver.integrator = kind == "bdf2" ? Integrator::bdf2 : kind == "newmark" ? Integrator::newmark : kind == "static" ? Integrator::quasi_static : Integrator::implicit_euler;
     }
     if (node.has("tangent")) solver.tangent = node.at("tangent").choice({"warped", "exact"}) == "exact" ? Tangent::exact : Tangent::warped;
-    if (node.has("operator")) node.at("operator").choice({"auto", "assembled"}, {"matrix_free"});
+    if (node.has("operator")) {
+        const std::string kind = node.at("operator").choice({"auto", "assembled", "matrix_free"});
+        solver.operator_kind = kind == "auto" ? OperatorKind::automatic : kind == "assembled" ? OperatorKind::assembled : OperatorKind::matrix_free;
+    }
     if (node.has("newton_iterations")) solver.newton_iterations = int(node.at("newton_iterations").integer(1, 1000));
     if (node.has("newton_tolerance")) {
         const JsonNode tolerance = node.at("newton_tolerance");

@@ -32,10 +32,10 @@ void write_inverse(const Mat3& D, Real* out) {
 }  // namespace
 
 template <class Real>
-void BlockJacobi<Real>::update(Team& team, const Bsr3<Real>& A, std::span<const AppendedRow> appended) {
-    const Bsr3Pattern& p = *A.pattern;
-    const auto invert = [&](std::size_t row) {
-        Mat3 D = read_block(A.value.data() + std::size_t(p.diagonal[row]) * 12) + appended_[row];
+template <class Block>
+void BlockJacobi<Real>::invert(Team& team, std::span<const AppendedRow> appended, Block&& block) {
+    const auto invert_row = [&](std::size_t row) {
+        Mat3 D = read_block(block(row)) + appended_[row];
         if (!this->coupling_diagonal.empty()) D += this->coupling_diagonal[row];
         write_inverse(D, inverse_.data() + row * 12);
     };
@@ -45,11 +45,21 @@ void BlockJacobi<Real>::update(Team& team, const Bsr3<Real>& A, std::span<const 
         }
     }
     team.for_range(rows_, kRowChunk, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t row = begin; row < end; ++row) invert(row);
+        for (std::size_t row = begin; row < end; ++row) invert_row(row);
     });
     for (const AppendedRow& extra : appended) {
         for (const std::int32_t row : extra.row) appended_[std::size_t(row)] = Mat3::Zero();
     }
+}
+
+template <class Real>
+void BlockJacobi<Real>::update(Team& team, const Bsr3<Real>& A, std::span<const AppendedRow> appended) {
+    invert(team, appended, [&](std::size_t row) { return A.value.data() + std::size_t(A.pattern->diagonal[row]) * 12; });
+}
+
+template <class Real>
+void BlockJacobi<Real>::update(Team& team, Operator<Real>& A, std::span<const AppendedRow> appended) {
+    invert(team, appended, [D = A.diagonal()](std::size_t row) { return D.data() + 12 * row; });
 }
 
 template <class Real>

@@ -410,6 +410,24 @@ void clear(std::vector<std::int32_t>& slot, std::vector<std::int32_t>& rows, std
 
 template <class Real>
 void LatticeMultigrid<Real>::update(Team& team, const Bsr3<Real>& A, std::span<const AppendedRow> appended) {
+    gather_appended(appended);
+    h_->level[0]->pack(team, A.value.data(), pattern_.diagonal, h_->extra_row, h_->extra);
+    finish_update(team);
+}
+
+template <class Real>
+void LatticeMultigrid<Real>::update(Team& team, Operator<Real>& A, std::span<const AppendedRow> appended) {
+    if constexpr (sizeof(Real) == 4) {
+        gather_appended(appended);
+        h_->level[0]->take(team, A, h_->extra_row, h_->extra);
+        finish_update(team);
+    } else {
+        SUPPLE_ASSERT(takes_operator());
+    }
+}
+
+template <class Real>
+void LatticeMultigrid<Real>::gather_appended(std::span<const AppendedRow> appended) {
     Hierarchy& h = *h_;
     clear(h.row_slot, h.extra_row, h.extra);
     clear(h.node_slot, h.extra_node, h.extra_coarse);
@@ -418,9 +436,13 @@ void LatticeMultigrid<Real>::update(Team& team, const Bsr3<Real>& A, std::span<c
             add_to(h.row_slot, h.extra_row, h.extra, row.row[i], row.weight[i].asDiagonal() * row.stiffness * row.weight[i].asDiagonal());
         }
     }
-    h.level[0]->pack(team, A.value.data(), pattern_.diagonal, h.extra_row, h.extra);
+}
+
+template <class Real>
+void LatticeMultigrid<Real>::finish_update(Team& team) {
+    Hierarchy& h = *h_;
     if (h.smoother_is_due) {
-        h.level[0]->set_smoother(team, h.degree);
+        h.level[0]->set_smoother(team, h.degree, h.held);
         h.smoother_is_due = false;
     }
     if (h.level.size() < 2) return;
@@ -507,11 +529,13 @@ void LatticeMultigrid<Real>::cycle(Team& team, std::size_t l) {
     const std::size_t n = level.rows(), chunk = level.chunk();
     const bool two = level.degree() == 2;
     if (two) {
+        level.begin_product(team, level.x.data());
         team.for_range(n, chunk, [&](std::size_t begin, std::size_t end) { level.smooth_second(begin, end); });
     } else {
         level.y.swap(level.x);
     }
     if (l < h.transfer.size()) {
+        level.begin_product(team, level.y.data());
         team.for_range(n, chunk, [&](std::size_t begin, std::size_t end) { level.residual(level.y.data(), begin, end); });
         down(team, l);
         const ScalarRows& P = h.transfer[l].to_points;
@@ -527,7 +551,10 @@ void LatticeMultigrid<Real>::cycle(Team& team, std::size_t l) {
             }
         });
     }
-    if (two) team.for_range(n, chunk, [&](std::size_t begin, std::size_t end) { level.restart_first(begin, end); });
+    level.begin_product(team, level.y.data());
+    if (!two) return;
+    team.for_range(n, chunk, [&](std::size_t begin, std::size_t end) { level.restart_first(begin, end); });
+    level.begin_product(team, level.x.data());
 }
 
 template <class Real>
@@ -582,7 +609,7 @@ template <class Real>
 auto LatticeMultigrid<Real>::traffic() const -> Preconditioner<Real>::Traffic {
     typename Preconditioner<Real>::Traffic sum;
     if (!h_) return sum;
-    sum.update = double(pattern_.column.size()) * (12 * sizeof(Real) + 28);
+    sum.update = h_->level[0]->pack_traffic(sizeof(Real));
     sum.apply = double(pattern_.rows) * 8 * sizeof(Real);
     for (const auto& level : h_->level) sum.apply += level->traffic();
     for (const auto& P : h_->transfer) sum.apply += 2 * (double(P.to_points.column.size()) * 8 + double(P.node.size() + P.to_points.row_start.size()) * 36);

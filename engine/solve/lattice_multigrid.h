@@ -62,6 +62,9 @@ public:
     /// Takes in the rotations of a step; call before update().
     void turn(Team& team, RotationLookup rotation);
     void update(Team& team, const Bsr3<Real>& A, std::span<const AppendedRow> appended) override;
+    /// Float32 alone: the smoother's products are.
+    bool takes_operator() const override { return sizeof(Real) == 4; }
+    void update(Team& team, Operator<Real>& A, std::span<const AppendedRow> appended) override;
     double apply(Team& team, const Real* r, Real* z) override;
 
     std::vector<std::size_t> level_rows() const;  ///< rows of each level, the finest first
@@ -71,6 +74,8 @@ public:
 private:
     struct Hierarchy;
     void lay_level0();
+    void gather_appended(std::span<const AppendedRow> appended);
+    void finish_update(Team& team);
     void lay_below(Team& team);
     void down(Team& team, std::size_t level);
     void cycle(Team& team, std::size_t level);

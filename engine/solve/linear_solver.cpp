@@ -125,7 +125,9 @@ double LinearSolver<Real>::multiply(Team& team, std::span<const SystemPart<Real>
     for (const SystemPart<Real>& part : parts) {
         const Bsr3Pattern& p = *part.A->pattern;
         const std::size_t first = 4 * part.first_row;
+        if (part.elements != nullptr) part.elements->begin_product(team, x + first);
         dot += sum_over_rows(team, p.rows, partial_, [&](std::size_t begin, std::size_t end) {
+            if (part.elements != nullptr) return part.elements->product_rows(x + first, y + first, begin, end);
             return kernels_.multiply(p.row_start.data(), p.column.data(), part.A->value.data(), x + first, y + first, begin, end);
         });
     }
@@ -145,6 +147,13 @@ void LinearSolver<Real>::warm_start(Team& team, std::span<const SystemPart<Real>
         for (const SystemPart<Real>& part : parts) {
             const Bsr3Pattern& p = *part.A->pattern;
             const std::size_t first = 4 * part.first_row;
+            if (part.elements != nullptr) {
+                for (const auto& [from, to] : {std::pair(d_.data() + first, p_.data() + first), std::pair(z_.data() + first, q_.data() + first)}) {
+                    part.elements->begin_product(team, from);
+                    team.for_range(p.rows, kRowChunk, [&, u = from, v = to](std::size_t begin, std::size_t end) { part.elements->product_rows(u, v, begin, end); });
+                }
+                continue;
+            }
             team.for_range(p.rows, kRowChunk, [&](std::size_t begin, std::size_t end) {
                 kernels_.multiply_two(p.row_start.data(), p.column.data(), part.A->value.data(), d_.data() + first, z_.data() + first, p_.data() + first, q_.data() + first, begin, end);
             });
@@ -232,7 +241,8 @@ std::array<double, 2> LinearSolver<Real>::traffic(std::span<const SystemPart<Rea
     typename Preconditioner<Real>::Traffic preconditioner;
     if (joint_ != nullptr) preconditioner = joint_->traffic();
     for (const SystemPart<Real>& part : parts) {
-        matrix += double(part.A->pattern->column.size()) * (12 * sizeof(Real) + sizeof(std::int32_t)) + double(part.A->pattern->rows) * 2 * vector;
+        const Bsr3Pattern& p = *part.A->pattern;
+        matrix += part.elements != nullptr ? part.elements->traffic() : double(p.column.size()) * (12 * sizeof(Real) + sizeof(std::int32_t)) + double(p.rows) * 2 * vector;
         if (joint_ != nullptr) continue;
         const auto own = part.preconditioner->traffic();
         preconditioner.update += own.update;

@@ -40,6 +40,7 @@ struct SystemPart {
     Preconditioner<Real>* preconditioner = nullptr;  ///< of this part; up to date
     Coupling<Real>* coupling = nullptr;              ///< beside the matrix, or null
     std::size_t first_row = 0;
+    Operator<Real>* elements = nullptr;              ///< takes the place of the matrix, of which then the pattern alone counts; or null
 };
 
 /// Solves A x = b for a symmetric positive definite A by preconditioned conjugate gradients inside iterative refinement. A is one matrix, or several along the

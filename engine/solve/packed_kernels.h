@@ -23,6 +23,9 @@ struct PackedKernels {
     /// out = x + a (x - previous) + b D^-1 (r - A x); previous null stands for zero. Returns r . out.
     double (*relax)(const PackedRows& A, float a, float b, const float* r, const float* x, const float* previous, float* out,
                     std::size_t begin, std::size_t end);
+    /// The same from a product that was made before: out = x + a (x - previous) + b D^-1 (r - product), D^-1 in columns [x y z 0].
+    double (*relax_product)(const float* inverse, const float* product, float a, float b, const float* r, const float* x, const float* previous, float* out,
+                            std::size_t begin, std::size_t end);
     /// t = scale (r - A x): the residual of the unscaled system.
     void (*residual)(const PackedRows& A, const float* r, const float* x, float* t, std::size_t begin, std::size_t end);
     /// out = sum of weight t over a row of a scalar matrix.

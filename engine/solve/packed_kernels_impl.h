@@ -50,6 +50,20 @@ double relax(const PackedRows& A, float a, float b, const float* r, const float*
     return sum;
 }
 
+double relax_product(const float* inverse, const float* product, float a, float b, const float* r, const float* x, const float* previous, float* out,
+                     std::size_t begin, std::size_t end) {
+    double sum = 0;
+    for (std::size_t row = begin; row < end; ++row) {
+        const Float4 force = load4(r + row * 4), at = load4(x + row * 4);
+        Float4 step = at;
+        if (previous != nullptr) step -= load4(previous + row * 4);
+        const Float4 next = at + a * step + b * block_times(inverse + row * 12, force - load4(product + row * 4));
+        store4(out + row * 4, next);
+        sum += (double(force[0]) * double(next[0]) + double(force[1]) * double(next[1])) + double(force[2]) * double(next[2]);
+    }
+    return sum;
+}
+
 void residual(const PackedRows& A, const float* r, const float* x, float* t, std::size_t begin, std::size_t end) {
     for (std::size_t row = begin; row < end; ++row) {
         store4(t + row * 4, A.scale[row] * without_pad(load4(r + row * 4) - kUnit * packed_row(A, row, x)));
@@ -92,7 +106,7 @@ void pack(const std::int32_t* row_start, const std::int32_t* column, const Real*
     }
 }
 
-inline constexpr PackedKernels kPackedKernels{first, relax, residual, gather, prolong, pack<float>, pack<double>};
+inline constexpr PackedKernels kPackedKernels{first, relax, relax_product, residual, gather, prolong, pack<float>, pack<double>};
 
 }  // namespace
 }  // namespace SUPPLE_ISA

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace supple::solve {
 
@@ -58,17 +59,19 @@ PackedLevel::PackedLevel(Isa isa, std::span<const std::int32_t> row_start, std::
 }
 
 std::size_t PackedLevel::bytes() const {
-    return value_.size() * 2 + column_.size() * 4 + (inverse_.size() + 2 * scale_.size() + 4 * r.size()) * 4;
+    return value_.size() * 2 + column_.size() * 4 + (inverse_.size() + 2 * scale_.size() + 4 * r.size() + product_.size()) * 4;
 }
 
 double PackedLevel::traffic() const {
-    const double sweep = double(blocks()) * 28 + double(rows()) * 100;  // a matrix, its columns and inverse diagonal, three vectors
+    const double product = operator_ != nullptr ? operator_->traffic() : double(blocks()) * 28;
+    const double sweep = product + double(rows()) * 100;  // inverse diagonal, three vectors
     return (degree_ == 2 ? 4 : 2) * sweep + double(rows()) * 80;
 }
 
 template <class Real>
 void PackedLevel::pack(Team& team, const Real* value, std::span<const std::int32_t> diagonal, std::span<const std::int32_t> extra_row,
                        std::span<const Mat3> extra) {
+    operator_ = nullptr;
     team.for_range(rows(), chunk_, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             scale_and_invert(read_diagonal(value + std::size_t(diagonal[i]) * 12), scale_[i], inverse_scale_[i], inverse_.data() + i * 12);
@@ -98,20 +101,47 @@ void PackedLevel::pack(Team& team, const Real* value, std::span<const std::int32
 template void PackedLevel::pack(Team&, const float*, std::span<const std::int32_t>, std::span<const std::int32_t>, std::span<const Mat3>);
 template void PackedLevel::pack(Team&, const double*, std::span<const std::int32_t>, std::span<const std::int32_t>, std::span<const Mat3>);
 
-void PackedLevel::set_smoother(Team& team, int degree) {
+void PackedLevel::take(Team& team, Operator<float>& A, std::span<const std::int32_t> extra_row, std::span<const Mat3> extra) {
+    operator_ = &A;
+    product_.resize(rows() * 4);
+    const std::span<const float> diagonal = A.diagonal();
+    const auto invert = [&](std::size_t i, const Mat3& D) {
+        float scale = 1, inverse_scale = 1, *inverse = inverse_.data() + i * 12;
+        scale_and_invert(D, scale, inverse_scale, inverse);
+        for (std::size_t k = 0; k < 12; ++k) inverse[k] *= inverse_scale * inverse_scale;
+        scale_[i] = inverse_scale_[i] = 1;
+    };
+    team.for_range(rows(), chunk_, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) invert(i, read_diagonal(diagonal.data() + 12 * i));
+    });
+    extra_order_.resize(extra_row.size());
+    std::iota(extra_order_.begin(), extra_order_.end(), std::size_t(0));
+    std::sort(extra_order_.begin(), extra_order_.end(), [&](std::size_t a, std::size_t b) { return extra_row[a] < extra_row[b]; });
+    extra_row_.clear();
+    extra_.clear();
+    for (const std::size_t k : extra_order_) {
+        const auto i = std::size_t(extra_row[k]);
+        extra_row_.push_back(extra_row[k]);
+        extra_.push_back(extra[k]);
+        invert(i, read_diagonal(diagonal.data() + 12 * i) + extra[k]);
+    }
+}
+
+void PackedLevel::set_smoother(Team& team, int degree, std::span<const std::uint8_t> held) {
     // Power steps on D^-1 A = 1 - (what one Jacobi step from x leaves of x), from a start without pattern.
     std::uint32_t seed = 1;
     for (std::size_t i = 0; i < rows(); ++i) {
         for (std::size_t c = 0; c < 3; ++c) {
             seed = seed * 1664525u + 1013904223u;
-            x[4 * i + c] = float(seed >> 8) * 0x1p-23f - 1;
+            x[4 * i + c] = operator_ != nullptr && !held.empty() && (held[i] >> c & 1) ? 0.0f : float(seed >> 8) * 0x1p-23f - 1;
         }
     }
     std::fill(r.begin(), r.end(), 0.0f);
     double growth = 1;
     for (int step = 0; step < kPowerSteps; ++step) {
+        begin_product(team, x.data());
         team.for_range(rows(), chunk_, [&](std::size_t begin, std::size_t end) {
-            kernels_.relax(view(), -1.0f, -1.0f, r.data(), x.data(), nullptr, y.data(), begin, end);  // y = D^-1 A x
+            relax(-1.0f, -1.0f, x.data(), nullptr, y.data(), begin, end);  // y = D^-1 A x
         });
         double before = 0, after = 0;
         for (std::size_t i = 0; i < x.size(); ++i) {
@@ -138,20 +168,34 @@ void PackedLevel::set_smoother(float largest_eigenvalue, int degree) {
 
 void PackedLevel::smooth_first(std::size_t begin, std::size_t end) { kernels_.first(view(), first_, r.data(), x.data(), begin, end); }
 
-void PackedLevel::smooth_second(std::size_t begin, std::size_t end) {
-    kernels_.relax(view(), momentum_, second_, r.data(), x.data(), nullptr, y.data(), begin, end);
+/// The operator's products, with the extra blocks.
+void PackedLevel::product(const float* of, std::size_t begin, std::size_t end) {
+    operator_->product_rows(of, product_.data(), begin, end);
+    auto at = std::lower_bound(extra_row_.begin(), extra_row_.end(), std::int32_t(begin));
+    for (; at != extra_row_.end() && *at < std::int32_t(end); ++at) {
+        const std::size_t i = 4 * std::size_t(*at);
+        const Vec3 more = extra_[std::size_t(at - extra_row_.begin())] * Vec3(double(of[i]), double(of[i + 1]), double(of[i + 2]));
+        for (std::size_t c = 0; c < 3; ++c) product_[i + c] += float(more[Eigen::Index(c)]);
+    }
 }
 
-double PackedLevel::restart_first(std::size_t begin, std::size_t end) {
-    return kernels_.relax(view(), 0, first_, r.data(), y.data(), nullptr, x.data(), begin, end);
+/// out = from + a (from - previous) + b D^-1 (r - A from); returns r . out.
+double PackedLevel::relax(float a, float b, const float* from, const float* previous, float* out, std::size_t begin, std::size_t end) {
+    if (operator_ == nullptr) return kernels_.relax(view(), a, b, r.data(), from, previous, out, begin, end);
+    product(from, begin, end);
+    return kernels_.relax_product(inverse_.data(), product_.data(), a, b, r.data(), from, previous, out, begin, end);
 }
 
-double PackedLevel::restart_second(std::size_t begin, std::size_t end) {
-    return kernels_.relax(view(), momentum_, second_, r.data(), x.data(), y.data(), y.data(), begin, end);
-}
+void PackedLevel::smooth_second(std::size_t begin, std::size_t end) { relax(momentum_, second_, x.data(), nullptr, y.data(), begin, end); }
+
+double PackedLevel::restart_first(std::size_t begin, std::size_t end) { return relax(0, first_, y.data(), nullptr, x.data(), begin, end); }
+
+double PackedLevel::restart_second(std::size_t begin, std::size_t end) { return relax(momentum_, second_, x.data(), y.data(), y.data(), begin, end); }
 
 void PackedLevel::residual(const float* of, std::size_t begin, std::size_t end) {
-    kernels_.residual(view(), r.data(), of, t.data(), begin, end);
+    if (operator_ == nullptr) return kernels_.residual(view(), r.data(), of, t.data(), begin, end);
+    product(of, begin, end);
+    for (std::size_t i = 4 * begin; i < 4 * end; ++i) t[i] = r[i] - product_[i];
 }
 
 }  // namespace supple::solve

@@ -3,10 +3,12 @@
 #include <memory>
 #include <span>
 
+#include "supple/base/assert.h"
 #include "supple/base/parallel.h"
 #include "supple/math/types.h"
 #include "supple/solve/bsr3.h"
 #include "supple/solve/bsr3_kernels.h"
+#include "supple/solve/operator.h"
 
 namespace supple::solve {
 
@@ -45,6 +47,10 @@ public:
     virtual ~Preconditioner() = default;
     /// Takes in a matrix whose values have changed.
     virtual void update(Team& team, const Bsr3<Real>& A, std::span<const AppendedRow> appended) = 0;
+    /// Whether it can do without the entries of the matrix.
+    virtual bool takes_operator() const { return false; }
+    /// The same from an operator. @pre takes_operator()
+    virtual void update(Team&, Operator<Real>&, std::span<const AppendedRow>) { SUPPLE_ASSERT(takes_operator()); }
     /// @param r, z  [row][x y z 0]
     /// @return      r . z
     virtual double apply(Team& team, const Real* r, Real* z) = 0;
@@ -66,10 +72,15 @@ class BlockJacobi final : public Preconditioner<Real> {
 public:
     BlockJacobi(std::size_t rows, Isa isa);
     void update(Team& team, const Bsr3<Real>& A, std::span<const AppendedRow> appended) override;
+    bool takes_operator() const override { return true; }
+    void update(Team& team, Operator<Real>& A, std::span<const AppendedRow> appended) override;
     double apply(Team& team, const Real* r, Real* z) override;
     Preconditioner<Real>::Traffic traffic() const override { return {double(rows_) * 24 * sizeof(Real), double(rows_) * 20 * sizeof(Real)}; }
 
 private:
+    template <class Block>
+    void invert(Team& team, std::span<const AppendedRow> appended, Block&& block);
+
     const Bsr3Kernels<Real>& kernels_;
     std::size_t rows_;
     AlignedVector<Real> inverse_;   ///< [row][column][x y z 0]
@@ -83,6 +94,7 @@ class Cholesky final : public Preconditioner<Real> {
 public:
     explicit Cholesky(const Bsr3Pattern& pattern);
     ~Cholesky() override;
+    using Preconditioner<Real>::update;
     void update(Team& team, const Bsr3<Real>& A, std::span<const AppendedRow> appended) override;
     double apply(Team& team, const Real* r, Real* z) override;
     bool is_definite() const override;

@@ -19,6 +19,8 @@ public:
     bool build(const Bsr3<Real>& A, std::span<const std::uint8_t> held);
 
     void update(Team&, const Bsr3<Real>&, std::span<const AppendedRow>) override {}  ///< nothing: it is constant
+    bool takes_operator() const override { return true; }
+    void update(Team&, Operator<Real>&, std::span<const AppendedRow>) override {}
     double apply(Team& team, const Real* r, Real* z) override;
     Preconditioner<Real>::Traffic traffic() const override {
         return {0, 2.0 * double(factor_.size()) * (sizeof(Real) + sizeof(std::int32_t)) + double(rows_) * 26 * sizeof(Real)};

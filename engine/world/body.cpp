@@ -59,7 +59,7 @@ std::unique_ptr<fem::Elements> make_elements(const TemplateData& data, const Gro
                                              fem::MatrixPrecision precision, Tangent tangent, Isa isa, bool project) {
     fem::ElementsDef def;
     def.layout = own != nullptr ? &own->layout : &data.layout;
-    def.pattern = {data.pattern.row_start, data.pattern.column, data.pattern.mirror};
+    def.pattern = {data.pattern.row_start, data.pattern.column, data.pattern.mirror, data.pattern.row};
     for (const solve::GatherMap& map : own != nullptr ? own->gather : data.gather) def.contributions.push_back({map.start, map.pair});
     def.precision = precision;
     def.isa = isa;
@@ -141,7 +141,13 @@ void apply_materials(Body& body, const BodyDef& def, const WorldDef& world, Isa 
     auto young = young_moduli(lame);
     BodyDef kept = def;
 
-    with_system(body, [](auto& system) { system.next.reset(); });  // it reads the materials
+    with_system(body, [&](auto& system) {
+        system.next.reset();  // it reads the materials
+        if (system.by_elements) {  // what asks for the matrix of the last step finds it still
+            Team alone;
+            assemble_matrix(alone, body, 0);
+        }
+    });
     std::swap(body.def, kept);
     body.materials = std::move(materials.elements);
     body.mass = std::move(mass);

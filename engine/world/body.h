@@ -9,6 +9,7 @@
 #include "supple/solve/scalar_laplacian.h"
 #include "supple/world/choice_timer.h"
 #include "supple/world/contacts.h"
+#include "supple/world/element_operator.h"
 #include "supple/world/hierarchy_build.h"
 #include "supple/world/prepared_loads.h"
 #include "supple/world/template_data.h"
@@ -91,11 +92,14 @@ struct System {
     std::unique_ptr<solve::ScalarLaplacian<Real>> laplacian;      ///< null until it is wanted
     solve::LinearSolver<Real> solver;
     std::unique_ptr<ElementCoupling<Real>> coupling;  ///< null: the matrix is the whole tangent
+    ElementOperator<Real> element_operator;  ///< of the last evaluation, where by_elements
+    bool by_elements = false;                ///< the operator is at work, and A is that of an earlier step
 };
 
 /// What the stages of a step write into; sized once, never part of the state.
 struct Workspace {
     AlignedVector<double> force_parts;  ///< [place][x y z 0] (fem::ElementLayout)
+    double mass_scale = 0, stiffness_scale = 0;  ///< factors of M and K in the matrix of the last solve
     double h = 0;                     ///< the scheme's x = base_x + h v, M (v - base_v)/h = forces (world/time_scheme.cpp)
     std::vector<Vec3> base_x, base_v;
     std::vector<Vec3> y;              ///< where forces are evaluated
@@ -215,6 +219,8 @@ void apply_materials(Body& body, const BodyDef& def, const WorldDef& world, Isa 
 void change_preconditioner(Body& body, PreconditionerKind kind, Isa isa);
 /// The elements of a body's law and moduli, afresh.
 std::unique_ptr<fem::Elements> make_body_elements(const Body& body, fem::MatrixPrecision precision, Tangent tangent, Isa isa, bool project);
+/// body.system's matrix from the tangent of the last evaluation, with the factors of the last solve.
+void assemble_matrix(Team& team, Body& body, double time_s);
 /// Fills body.stress from the current positions, unless it is valid.
 void update_stress(const Body& body, Team& team);
 

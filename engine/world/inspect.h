@@ -71,7 +71,7 @@ public:
 
 private:
     friend class BodyResponse;
-    const World::Impl& impl() const { return *world_->impl_; }
+    World::Impl& impl() const { return *world_->impl_; }
     const World* world_;
     BodyId body_;
 };

@@ -114,7 +114,7 @@ Solved solve_linearised(StepContext& ctx, Watch& watch, Island& island, bool pro
         evaluate(ctx, island, false);
         watch.lap(ctx, Stage::elements);
     }
-    for (Member& member : island.members) assemble(ctx, *member.body);
+    for (Member& member : island.members) assemble(ctx, *member.body, island);
     island.same_matrices = false;
     watch.lap(ctx, Stage::assemble);
     const Solved solved = solve_system(ctx, island, floor, tolerance, first);
@@ -214,7 +214,7 @@ bool follow_supports(StepContext& ctx, Watch& watch, Island& island, double part
             tangent_product(ctx, body, w.jump);
             const double scale = stiffness_scale(ctx, body);
             for (std::size_t i = 0; i < body.vertices(); ++i) w.b[i] -= scale * w.product[i];
-            assemble(ctx, body);
+            assemble(ctx, body, island);
         }
         island.same_matrices = false;
         watch.lap(ctx, Stage::assemble);

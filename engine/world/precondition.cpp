@@ -291,8 +291,12 @@ struct LoneSolve {
     RowExchange& exchange;
 
     solve::LinearSolveResult run(solve::Preconditioner<Real>& preconditioner, bool warm, const solve::LinearSolveDef& def) const {
-        preconditioner.update(exchange.ctx.team, system.A, exchange.ctx.scratch.appended);
-        const solve::SystemPart<Real> part{&system.A, &preconditioner, system.coupling.get(), 0};
+        if (system.by_elements) {
+            preconditioner.update(exchange.ctx.team, system.element_operator, exchange.ctx.scratch.appended);
+        } else {
+            preconditioner.update(exchange.ctx.team, system.A, exchange.ctx.scratch.appended);
+        }
+        const solve::SystemPart<Real> part{&system.A, &preconditioner, system.coupling.get(), 0, system.by_elements ? &system.element_operator : nullptr};
         return exchange.run<Real>(system.solver, {&part, 1}, warm, def);
     }
 
@@ -431,7 +435,7 @@ solve::LinearSolveResult solve_together(RowExchange& exchange, JointSystem<Real>
                 }
             }
             if (!jacobi) preconditioner->update(ctx.team, system.A, body.work.own_rows);
-            joint.parts.push_back({&system.A, preconditioner, system.coupling.get(), body.work.first_row});
+            joint.parts.push_back({&system.A, preconditioner, system.coupling.get(), body.work.first_row, nullptr});
             joint.touching.push_back({&system.A, body.work.first_row, jacobi ? nullptr : preconditioner, preconditioner->coupling_diagonal, body.work.y, body.owner});
         }
         joint.preconditioner.update(ctx.team, joint.touching, ctx.scratch.appended, ctx.scratch.eliminated, island.same_matrices && !simple);

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "supple/base/error.h"
-#include "supple/world/impl.h"
+#include "supple/world/stages.h"
 
 namespace supple {
 
@@ -66,12 +66,15 @@ struct BodyResponse::Parts {
 };
 
 BodyResponse::BodyResponse(const World& world, BodyId id, ColliderId without) {
-    const World::Impl& impl = Inspector(world, id).impl();
-    const Body& body = impl.body(id);
+    World::Impl& impl = Inspector(world, id).impl();
+    Body& body = impl.body(id);
     parts_ = std::make_unique<Parts>(body);
     parts_->scale = body.work.h * body.work.h;
     if (!(parts_->scale > 0))
         throw Error(ErrorCode::invalid_argument, "BodyResponse", "\"" + body.name + "\" has made no step yet; its matrix is that of the last one: call World::step() first");
+    with_system(body, [&](auto& system) {  // a step that solved by the elements has left no matrix
+        if (system.by_elements) assemble_matrix(impl.team_for(body.element_count()), body, impl.time_s());
+    });
     const auto add = [&](const Contact& c, std::size_t first, std::size_t count) {
         Spring s;
         s.corners = count;

@@ -83,17 +83,17 @@ double evaluate_elements(StepContext& ctx, Body& body, bool at_current) {
     }));
 }
 
-void assemble(StepContext& ctx, Body& body) {
+void assemble_matrix(Team& team, Body& body, double time_s) {
     const TemplateData& data = body.data();
-    const double mass = mass_scale(ctx, body);
     Workspace& w = body.work;
-    for (std::size_t row = 0; row < body.vertices(); ++row) w.diagonal[row] = mass * body.mass[std::size_t(data.pattern.vertex[row])];
+    for (std::size_t row = 0; row < body.vertices(); ++row) w.diagonal[row] = w.mass_scale * body.mass[std::size_t(data.pattern.vertex[row])];
     with_system(body, [&](auto& system) {
         using Real = typename std::remove_reference_t<decltype(system)>::Scalar;
-        body.elements->assemble(ctx.team, stiffness_scale(ctx, body), w.diagonal, system.A.value.data());
-        if (!w.project) body.loads.add_stiffness(ctx.time_s, w.y, stiffness_scale(ctx, body), system.A.value.data());
+        system.by_elements = false;
+        body.elements->assemble(team, w.stiffness_scale, w.diagonal, system.A.value.data());
+        if (!w.project) body.loads.add_stiffness(time_s, w.y, w.stiffness_scale, system.A.value.data());
         // Held coordinates: zero rows and columns, one on the diagonal.
-        ctx.team.for_range(body.held_rows.size(), 64, [&](std::size_t begin, std::size_t end) {
+        team.for_range(body.held_rows.size(), 64, [&](std::size_t begin, std::size_t end) {
             for (std::size_t k = begin; k < end; ++k) {
                 const std::size_t row = std::size_t(body.held_rows[k]), vertex = std::size_t(data.pattern.vertex[row]);
                 for (std::int32_t block = data.pattern.row_start[row]; block < data.pattern.row_start[row + 1]; ++block) {
@@ -107,7 +107,19 @@ void assemble(StepContext& ctx, Body& body) {
                 }
             }
         });
-        if (system.coupling) system.preconditioner->coupling_diagonal = system.coupling->update_diagonal(ctx.team, stiffness_scale(ctx, body));
+    });
+}
+
+void assemble(StepContext& ctx, Body& body, const Island& island) {
+    Workspace& w = body.work;
+    w.mass_scale = mass_scale(ctx, body);
+    w.stiffness_scale = stiffness_scale(ctx, body);
+    const bool by_elements = solves_by_elements(ctx, body, island);
+    if (!by_elements) assemble_matrix(ctx.team, body, ctx.time_s);
+    with_system(body, [&](auto& system) {
+        system.by_elements = by_elements;
+        if (by_elements) system.element_operator.update(ctx, body);
+        if (system.coupling) system.preconditioner->coupling_diagonal = system.coupling->update_diagonal(ctx.team, w.stiffness_scale);
     });
 }
 

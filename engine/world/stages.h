@@ -30,7 +30,8 @@ bool solve_step(StepContext& ctx, Watch& watch, Island& island, double floor);
 
 /// Element rotations, forces, records; then the right-hand side b. Returns |b| over free coordinates; not finite if the body has blown up.
 double evaluate_elements(StepContext& ctx, Body& body, bool at_current);
-void assemble(StepContext& ctx, Body& body);
+/// The tangent of the last evaluation as the solve wants it: the operator of the elements (solves_by_elements), or the matrix.
+void assemble(StepContext& ctx, Body& body, const Island& island);
 /// Norm of the right-hand side below which a body rests: a ten-millionth of its loads needs no solving, less where the tolerance asks for less.
 double resting_residual(StepContext& ctx, Island& island);
 /// Right-hand side rhs at v0 with the forces of drag springs and contacts; its norm over free coordinates.

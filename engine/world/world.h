@@ -50,6 +50,13 @@ enum class PreconditionerKind {
     automatic_timed,    ///< as automatic, but block-Jacobi or the multigrid by which took less time on this machine: a run is no longer the same every time
 };
 
+/// What the solves multiply by. The answer is the same to within the tolerance.
+enum class OperatorKind {
+    automatic,    ///< elements where that is faster: corotational and linear hexahedra most of which share their shape (lattices); else the matrix
+    assembled,    ///< a sparse matrix, made in every step
+    matrix_free,  ///< the elements wherever they can: hexahedra of linear elasticity in a frame; others have a matrix still, and so do islands of several bodies, factors and Newton's exact tangents
+};
+
 struct SolverDef {
     Integrator integrator = Integrator::implicit_euler;
     Tangent tangent = Tangent::automatic;
@@ -62,6 +69,7 @@ struct SolverDef {
     int cg_max_iterations = 2000;          ///< 1..1e6, per linear solve
     int contact_iterations = 12;           ///< most solves in place of each for contacts that open, close, stick or slip in it, 1..1000
     PreconditionerKind preconditioner = PreconditionerKind::automatic;
+    OperatorKind operator_kind = OperatorKind::automatic;
     Precision precision = Precision::automatic;
     LineariseAt linearise_at = LineariseAt::prediction;
     double step_budget_us = 0;             ///< time that a step may take, [0, 1e9]; 0 = as long as it needs. With it results depend on the clock
