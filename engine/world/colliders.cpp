@@ -208,7 +208,7 @@ void end_colliders(StepContext& ctx) {
                                world.appended.capacity() * sizeof(solve::AppendedRow);
     for (const std::uint32_t slot : world.order) {
         const Body& body = *world.slots[slot].body;
-        ctx.report.contact_bytes += body.contacts.list.capacity() * sizeof(Contact) + body.contacts.report.capacity() * sizeof(ContactPoint) +
+        ctx.report.contact_bytes += (body.contacts.list.capacity() + body.contacts.edges.capacity()) * sizeof(Contact) + body.contacts.report.capacity() * sizeof(ContactPoint) +
                                     body.state.contacts.capacity() * sizeof(ContactMemory);
     }
     if (world.joint_single) ctx.report.contact_bytes += world.joint_single->preconditioner.bytes();

@@ -9,7 +9,7 @@ struct World::Impl {
     Isa isa = best_isa();
     int threads = 1;
     Team alone;                      ///< for bodies too small to share
-    std::unique_ptr<Team> crew;      ///< `threads` strong; made with the first body that is large enough
+    std::unique_ptr<Team> crew;      ///< `threads` strong; made when the bodies are large enough, one or all together
 
     struct Slot {
         std::uint32_t generation = 1;
@@ -61,6 +61,10 @@ struct World::Impl {
     double time_s() const { return double(step) * def.time_step_s; }
 };
 
+/// Elements of all bodies.
+std::size_t element_count(const World::Impl& world);
+/// Makes the crew, once the bodies are enough to share.
+void need_crew(World::Impl& world);
 /// Every body that may touch something knows its surface.
 void give_contact_surfaces(World::Impl& world);
 /// Fills world.islands from the contacts of world.active: bodies that touch one another, are tied together or touch the same collider that yields.

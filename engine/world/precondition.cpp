@@ -309,7 +309,7 @@ void turn_lattice(StepContext& ctx, const Body& body, System<Real>& system) {
 }
 
 template <class Real>
-solve::LinearSolveResult solve_alone(RowExchange& exchange, Body& body, System<Real>& system, bool warm, const solve::LinearSolveDef& def, bool remember) {
+solve::LinearSolveResult solve_alone(RowExchange& exchange, Body& body, System<Real>& system, bool warm, const solve::LinearSolveDef& def, bool remember, bool again) {
     StepContext& ctx = exchange.ctx;
     const bool automatic = ctx.world.def.solver.preconditioner == PreconditionerKind::automatic;
     std::vector<std::int32_t>& memory = body.state.solver;
@@ -328,13 +328,14 @@ solve::LinearSolveResult solve_alone(RowExchange& exchange, Body& body, System<R
     if (lattice) turn_lattice(ctx, body, system);
     if (!lattice) {
         result = solve.run(*system.laplacian, warm, def);
-    } else if (remember && automatic && memory[kMemoryTrial] == 0) {
+    } else if (automatic && (again || (remember && memory[kMemoryTrial] == 0))) {
+        // What is left when contacts have changed is near them: the coarse levels, which do not see contacts, have little to say.
         solve::LinearSolveDef trial = def;
         trial.max_iterations = std::min(def.max_iterations, kJacobiLimit);
         result = solve.run(*system.preconditioner, warm, trial);
-        memory[kMemoryTrial] = kTrialEvery;
+        if (!again) memory[kMemoryTrial] = kTrialEvery;
         if (result.converged) {
-            set_kind(body, PreconditionerKind::block_jacobi);
+            if (!again) set_kind(body, PreconditionerKind::block_jacobi);
             return result;
         }
         if (result.iterations < trial.max_iterations || result.out_of_time) return result;
@@ -556,7 +557,7 @@ void prepare_preconditioner(StepContext& ctx, Body& body) {
 }
 
 solve::LinearSolveResult solve_preconditioned(StepContext& ctx, Island& island, bool warm, const solve::LinearSolveDef& def, bool remember,
-                                              FunctionRef<void()> true_residual) {
+                                              bool again, FunctionRef<void()> true_residual) {
     World::Impl& world = ctx.world;
     RowExchange exchange{ctx, island, true_residual};
     exchange.begin(warm);
@@ -570,7 +571,7 @@ solve::LinearSolveResult solve_preconditioned(StepContext& ctx, Island& island, 
     }
     Body& body = *island.members[0].body;
     solve::LinearSolveResult result;
-    with_system(body, [&](auto& system) { result = solve_alone(exchange, body, system, warm, def, remember); });
+    with_system(body, [&](auto& system) { result = solve_alone(exchange, body, system, warm, def, remember, again); });
     return result;
 }
 

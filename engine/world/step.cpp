@@ -64,11 +64,8 @@ StepReport do_step(World::Impl& world) noexcept {
     StepReport report;
     Watch watch;
     const std::int64_t start_ns = now_ns();
-    std::size_t largest = 0;
     double total = 0, done = 0;
-    for (const std::uint32_t slot : world.order) largest = std::max(largest, world.slots[slot].body->element_count());
-
-    StepContext ctx{world.team_for(largest), world, report, double(world.step + 1) * world.def.time_step_s};
+    StepContext ctx{world.team_for(element_count(world)), world, report, double(world.step + 1) * world.def.time_step_s};
     begin_colliders(ctx);
     watch.lap(ctx, Stage::contact);
     world.active.clear();
@@ -92,8 +89,9 @@ StepReport do_step(World::Impl& world) noexcept {
     for (std::size_t i = 0; i < world.living_islands; ++i) total += double(world.islands[i].elements);
     for (std::size_t i = 0; i < world.living_islands; ++i) {
         done += double(world.islands[i].elements);
-        if (world.def.solver.step_budget_us > 0) ctx.body_end_ns = start_ns + std::int64_t(world.def.solver.step_budget_us * 1e3 * done / total);
-        step_island(ctx, watch, world.islands[i]);
+        StepContext of{world.team_for(world.islands[i].elements), world, report, ctx.time_s};
+        if (world.def.solver.step_budget_us > 0) of.body_end_ns = start_ns + std::int64_t(world.def.solver.step_budget_us * 1e3 * done / total);
+        step_island(of, watch, world.islands[i]);
     }
     end_colliders(ctx);
     watch.lap(ctx, Stage::contact);

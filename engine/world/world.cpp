@@ -89,6 +89,16 @@ World::~World() = default;
 World::World(World&&) noexcept = default;
 World& World::operator=(World&&) noexcept = default;
 
+std::size_t element_count(const World::Impl& world) {
+    std::size_t sum = 0;
+    for (const std::uint32_t slot : world.order) sum += world.slots[slot].body->element_count();
+    return sum;
+}
+
+void need_crew(World::Impl& world) {
+    if (!world.crew && world.threads > 1 && element_count(world) >= kMinElementsForThreads) world.crew = std::make_unique<Team>(world.threads);
+}
+
 BodyId World::add_body(const BodyDef& def) {
     Impl& w = *impl_;
     std::uint32_t slot = 0;
@@ -98,10 +108,10 @@ BodyId World::add_body(const BodyDef& def) {
         for (const std::string& sentence : body->data().mesh_report().sentences()) w.def.log(LogLevel::warning, body->name + ": " + sentence);
     }
     warn_of_locking(w.def, *body);
-    if (!w.crew && w.threads > 1 && body->element_count() >= kMinElementsForThreads) w.crew = std::make_unique<Team>(w.threads);
     if (slot == w.slots.size()) w.slots.emplace_back();
     w.slots[slot].body = std::move(body);
     w.order.push_back(slot);
+    need_crew(w);
     give_contact_surfaces(w);
     return {slot, w.slots[slot].generation};
 }
