@@ -13,7 +13,6 @@ namespace {
 using solve::kRowChunk;
 
 constexpr double kWorstContacts = 0.1;  // of their force: what contacts may disagree in without a flag
-constexpr double kLoosely = 0.1;        // of its right-hand side: what a solve leaves while contacts still change
 constexpr int kEarlySearches = 2;       // solves: the first ones go so far that other contacts are looked for at once
 
 /// How often a system may still be solved, contacts looked for anew, and deep ones made stiffer.
@@ -318,7 +317,8 @@ Solved solve_system(StepContext& ctx, Island& island, double floor, double toler
             // Of the first right-hand side, in its energy: later rounds go as far, not as far in proportion.
             // The first solve of a lone body tells what its preconditioner is worth.
             const bool settled = rounds.agreed || rounds.solves + 2 >= def.contact_iterations || (island.alone() && !again) || !any_contacts(island);
-            rounds.loose = settled ? 1 : std::max(1.0, kLoosely * norm / may_leave.residual);
+            // While contacts still change, half of the digits will do.
+            rounds.loose = settled ? 1 : std::max(1.0, std::sqrt(tolerance) * norm / may_leave.residual);
             solve_def.target = rounds.loose * may_leave.residual;
             solve_def.energy_target = rounds.loose * may_leave.energy;
             solve_def.energy_tolerance = !again && norm > 0 ? solve_def.target / norm : 0;
