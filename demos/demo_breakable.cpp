@@ -78,8 +78,9 @@ public:
 
     void decorate(FrameView& view) override {
         read();
-        view.camera.target_m = Vec3(0.016, -0.036 - 0.045 * smooth_step(5, 6.5, world_.time_s()), 0);
-        view.camera.eye_m = view.camera.target_m + Vec3(0.10 * std::sin(0.25 * world_.time_s()) - 0.04, 0.040, 0.47);
+        const double back = smooth_step(5, 6.5, world_.time_s());  // as far as the kidney hangs lower, with the labels of the bands still below the line of figures
+        view.camera.target_m = Vec3(0.016, -0.036 - 0.020 * back, 0);
+        view.camera.eye_m = view.camera.target_m + Vec3(0.10 * std::sin(0.25 * world_.time_s()) - 0.04, 0.040, 0.47 + 0.09 * back);
         view.camera.fov_deg = 32;
         view.key_light = Vec3(-0.6, 1, 0.9);
         view.ground_height_m = kGround_m;

@@ -21,6 +21,9 @@ public:
     /// Calls visit(triangle) for each triangle whose box overlaps `box`, in the order of the tree.
     void overlapping(const Box& box, FunctionRef<void(std::int32_t)> visit) const;
 
+    /// Of a triangle, as fitted last.
+    const Box& box(std::int32_t triangle) const { return box_[std::size_t(triangle)]; }
+
 private:
     void fit_boxes(std::span<const Vec3> a, std::span<const Vec3> b, double margin_m);
 

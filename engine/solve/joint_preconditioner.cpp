@@ -71,6 +71,7 @@ void JointPreconditioner<Real>::take_diagonals(Team& team) {
 template <class Real>
 void JointPreconditioner<Real>::take_motions(Team& team) {
     motion_.resize(rows_);
+    free_.resize(rows_);
     galerkin_.resize(parts_.size());
     team.for_range(parts_.size(), 1, [&](std::size_t p, std::size_t) {
         const JointPart<Real>& part = parts_[p];
@@ -85,6 +86,8 @@ void JointPreconditioner<Real>::take_motions(Team& team) {
         for (std::size_t i = 0; i < n; ++i) {
             const Vec3 q = scale * (part.points[std::size_t(pattern.vertex[i])] - middle);
             motion[i] = {1, q.x(), q.y(), q.z()};
+            const std::int32_t* const owner = part.owner.data() + 3 * std::size_t(pattern.vertex[i]);
+            free_[part.first_row + i] = std::uint8_t((owner[0] == -1 ? 1 : 0) | (owner[1] == -1 ? 2 : 0) | (owner[2] == -1 ? 4 : 0));
         }
         Coarse& E = galerkin_[p];
         E.setZero();
@@ -315,7 +318,9 @@ void JointPreconditioner<Real>::update(Team& team, std::span<const JointPart<Rea
     if (!same_matrices) {
         rows_ = 0;
         for (const JointPart<Real>& part : parts) rows_ += part.A->pattern->rows;
-        partial_.resize(row_chunks(rows_));
+        cut_rows(parts, [](const JointPart<Real>& part) { return part.A->pattern->rows; }, pieces_);
+        partial_.resize(pieces_.size());
+        moved_.resize(kMotions * pieces_.size());
         take_diagonals(team);
         take_motions(team);
     }
@@ -323,20 +328,50 @@ void JointPreconditioner<Real>::update(Team& team, std::span<const JointPart<Rea
     coarse_ = factor_coarse(eliminated);
 }
 
+/// Sum of motion^T r over rows.
+template <class Real>
+void JointPreconditioner<Real>::gather(const Real* r, std::size_t begin, std::size_t end, double* sum) const {
+    double at[4][4] = {};
+    for (std::size_t row = begin; row < end; ++row) {
+        const Motion& q = motion_[row];
+        const double v[4] = {double(r[4 * row]), double(r[4 * row + 1]), double(r[4 * row + 2]), double(r[4 * row + 3])};
+        for (std::size_t a = 0; a < 4; ++a)
+            for (std::size_t c = 0; c < 4; ++c) at[a][c] += q[a] * v[c];
+    }
+    for (std::size_t a = 0; a < 4; ++a)
+        for (std::size_t c = 0; c < 3; ++c) sum[3 * a + c] = at[a][c];
+}
+
+/// z += motion y over rows, where coordinates are free.
+template <class Real>
+void JointPreconditioner<Real>::spread(const double* y, std::size_t begin, std::size_t end, Real* z) const {
+    double by[4][4] = {};
+    for (std::size_t a = 0; a < 4; ++a)
+        for (std::size_t c = 0; c < 3; ++c) by[a][c] = y[3 * a + c];
+    for (std::size_t row = begin; row < end; ++row) {
+        const Motion& q = motion_[row];
+        double s[4];
+        for (std::size_t c = 0; c < 4; ++c) s[c] = q[0] * by[0][c] + q[1] * by[1][c] + q[2] * by[2][c] + q[3] * by[3][c];
+        for (std::size_t c = 0; c < 4; ++c) s[c] = free_[row] >> c & 1 ? s[c] : 0;
+        for (std::size_t c = 0; c < 4; ++c) z[4 * row + c] += Real(s[c]);
+    }
+}
+
 template <class Real>
 double JointPreconditioner<Real>::apply(Team& team, const Real* r, Real* z) {
     double rz = 0;
-    for (std::size_t p = 0; p < parts_.size(); ++p) {
-        const std::size_t first = parts_[p].first_row;
-        if (parts_[p].own != nullptr) {
-            const double own = parts_[p].own->apply(team, r + 4 * first, z + 4 * first);
-            if (!(own >= 0)) return own;
-            rz += own;
-            continue;
-        }
-        rz += sum_over_rows(team, parts_[p].A->pattern->rows, partial_,
-                            [&](std::size_t begin, std::size_t end) { return kernels_.block_diagonal(inverse_.data(), r, z, first + begin, first + end); });
+    for (const JointPart<Real>& part : parts_) {
+        if (part.own == nullptr) continue;
+        const double own = part.own->apply(team, r + 4 * part.first_row, z + 4 * part.first_row);
+        if (!(own >= 0)) return own;
+        rz += own;
     }
+    rz += sum_over_pieces(team, pieces_, partial_, [&](const RowPiece& piece) {
+        const JointPart<Real>& part = parts_[piece.part];
+        const std::size_t begin = part.first_row + piece.begin, end = part.first_row + piece.end;
+        if (coarse_) gather(r, begin, end, moved_.data() + kMotions * std::size_t(&piece - pieces_.data()));
+        return part.own != nullptr ? 0.0 : kernels_.block_diagonal(inverse_.data(), r, z, begin, end);
+    });
     for (std::size_t l = 0; l < links_.size(); ++l) {
         const AppendedRow& extra = appended_[std::size_t(links_[l].extra)];
         Vec3 s = Vec3::Zero();
@@ -358,34 +393,19 @@ double JointPreconditioner<Real>::apply(Team& team, const Real* r, Real* z) {
         }
     }
     if (!coarse_) return rz;
-    for (std::size_t p = 0; p < parts_.size(); ++p) {
-        const std::size_t first = parts_[p].first_row, n = parts_[p].A->pattern->rows;
-        double sum[4][3] = {};
-        for (std::size_t row = first; row < first + n; ++row) {
-            const Real* const v = r + 4 * row;
-            const Motion& q = motion_[row];
-            for (std::size_t a = 0; a < 4; ++a)
-                for (std::size_t c = 0; c < 3; ++c) sum[a][c] += q[a] * double(v[c]);
-        }
-        double* const out = c_.data() + kMotions * std::size_t(coarse_place_[p]);
-        for (std::size_t a = 0; a < 4; ++a)
-            for (std::size_t c = 0; c < 3; ++c) out[3 * a + c] = sum[a][c];
+    std::fill(c_.begin(), c_.end(), 0.0);
+    for (std::size_t i = 0; i < pieces_.size(); ++i) {
+        double* const out = c_.data() + kMotions * std::size_t(coarse_place_[pieces_[i].part]);
+        for (std::size_t k = 0; k < kMotions; ++k) out[k] += moved_[kMotions * i + k];
     }
     y_ = c_;
     E_.solve(y_.data());
     for (std::size_t i = 0; i < c_.size(); ++i) rz += c_[i] * y_[i];
-    for (std::size_t p = 0; p < parts_.size(); ++p) {
-        const JointPart<Real>& part = parts_[p];
-        const double* const y = y_.data() + kMotions * std::size_t(coarse_place_[p]);
-        for (std::size_t i = 0; i < part.A->pattern->rows; ++i) {
-            const Motion& q = motion_[part.first_row + i];
-            Real* const v = z + 4 * (part.first_row + i);
-            const std::int32_t* const owner = part.owner.data() + 3 * std::size_t(part.A->pattern->vertex[i]);
-            for (std::size_t c = 0; c < 3; ++c) {
-                if (owner[c] == -1) v[c] += Real(q[0] * y[c] + q[1] * y[3 + c] + q[2] * y[6 + c] + q[3] * y[9 + c]);
-            }
-        }
-    }
+    team.for_chunks(pieces_.size(), [&](std::size_t i) {
+        const RowPiece& piece = pieces_[i];
+        const std::size_t first = parts_[piece.part].first_row;
+        spread(y_.data() + kMotions * std::size_t(coarse_place_[piece.part]), first + piece.begin, first + piece.end, z);
+    });
     return rz;
 }
 
@@ -393,7 +413,7 @@ template <class Real>
 std::size_t JointPreconditioner<Real>::bytes() const {
     const auto of = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
     return of(part_of_) + of(diagonal_) + of(inverse_d_) + of(inverse_) + of(extra_) + of(changed_) + of(links_) + of(at_row_) + of(start_) + of(neighbour_) + of(place_) +
-           of(queue_) + of(first_) + of(t_) + of(u_) + of(motion_) + of(galerkin_) + of(meets_) + of(coarse_place_) + of(reach_) + of(c_) + of(y_) + S_.bytes() + E_.bytes();
+           of(queue_) + of(first_) + of(t_) + of(u_) + of(motion_) + of(free_) + of(pieces_) + of(moved_) + of(galerkin_) + of(meets_) + of(coarse_place_) + of(reach_) + of(c_) + of(y_) + S_.bytes() + E_.bytes();
 }
 
 template <class Real>

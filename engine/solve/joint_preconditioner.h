@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 
+#include "supple/solve/chunked_sum.h"
 #include "supple/solve/preconditioner.h"
 #include "supple/solve/skyline.h"
 
@@ -61,6 +62,8 @@ private:
     bool factor_links();
     bool factor_coarse(std::span<const EliminatedBody> eliminated);
     void add_coarse(std::size_t p, std::size_t q, const Coarse& block);
+    void gather(const Real* r, std::size_t begin, std::size_t end, double* sum) const;
+    void spread(const double* y, std::size_t begin, std::size_t end, Real* z) const;
 
     const Bsr3Kernels<Real>& kernels_;
     std::span<const JointPart<Real>> parts_;
@@ -71,7 +74,8 @@ private:
     AlignedVector<Real> inverse_;           ///< the same, as kernels read it
     std::vector<Mat3> extra_;               ///< [row] diagonals of appended rows that are no links; zero between updates
     std::vector<std::int32_t> changed_;     ///< rows with such
-    std::vector<double> partial_;
+    std::vector<RowPiece> pieces_;
+    std::vector<double> partial_, moved_;   ///< [piece]; [piece * 12 + motion]
 
     std::vector<Link> links_;
     std::vector<Place> at_row_;             ///< of the links, by row
@@ -80,6 +84,7 @@ private:
     std::vector<double> t_, u_;             ///< [place of a link * 3 + i]
 
     std::vector<Motion> motion_;            ///< [row] 1 and the place about its part's middle over the part's size
+    std::vector<std::uint8_t> free_;        ///< [row] a bit for each coordinate that is not held
     std::vector<Coarse> galerkin_;          ///< [part] of its matrix
     std::vector<std::array<std::int32_t, 2>> meets_;  ///< parts that something ties
     std::vector<std::int32_t> coarse_place_;

@@ -121,16 +121,18 @@ double LinearSolver<Real>::square(Team& team, const Real* v) {
 
 template <class Real>
 double LinearSolver<Real>::multiply(Team& team, std::span<const SystemPart<Real>> parts, std::span<const AppendedRow> appended, const Real* x, Real* y) {
-    double dot = 0;
+    cut_rows(parts, [](const SystemPart<Real>& part) { return part.A->pattern->rows; }, pieces_);
+    partial_.resize(std::max(partial_.size(), pieces_.size()));
     for (const SystemPart<Real>& part : parts) {
+        if (part.elements != nullptr) part.elements->begin_product(team, x + 4 * part.first_row);
+    }
+    const double dot = sum_over_pieces(team, pieces_, partial_, [&](const RowPiece& piece) {
+        const SystemPart<Real>& part = parts[piece.part];
         const Bsr3Pattern& p = *part.A->pattern;
         const std::size_t first = 4 * part.first_row;
-        if (part.elements != nullptr) part.elements->begin_product(team, x + first);
-        dot += sum_over_rows(team, p.rows, partial_, [&](std::size_t begin, std::size_t end) {
-            if (part.elements != nullptr) return part.elements->product_rows(x + first, y + first, begin, end);
-            return kernels_.multiply(p.row_start.data(), p.column.data(), part.A->value.data(), x + first, y + first, begin, end);
-        });
-    }
+        if (part.elements != nullptr) return part.elements->product_rows(x + first, y + first, piece.begin, piece.end);
+        return kernels_.multiply(p.row_start.data(), p.column.data(), part.A->value.data(), x + first, y + first, piece.begin, piece.end);
+    });
     return dot + add_beside(team, parts, appended, x, y);
 }
 

@@ -4,6 +4,7 @@
 #include <span>
 
 #include "supple/base/function_ref.h"
+#include "supple/solve/chunked_sum.h"
 #include "supple/solve/preconditioner.h"
 
 namespace supple::solve {
@@ -96,6 +97,7 @@ private:
     std::size_t rows_;
     AlignedVector<Real> d_, r_, p_, q_, z_;  ///< [row][x y z 0]
     std::vector<double> partial_;
+    std::vector<RowPiece> pieces_;           ///< of the system being solved
 };
 
 }  // namespace supple::solve

@@ -118,7 +118,7 @@ void couple_elements(Body& body) {
 void size_workspace(Workspace& w, const fem::ElementLayout& layout) {
     const std::size_t n = layout.vertices;
     w.force_parts.resize(layout.places * 4);
-    for (auto* field : {&w.base_x, &w.base_v, &w.y, &w.v0, &w.v_start, &w.f_ext, &w.f_dead, &w.b, &w.rhs, &w.free_rhs, &w.dv, &w.residual, &w.product, &w.bare}) {
+    for (auto* field : {&w.base_x, &w.base_v, &w.y, &w.v0, &w.v_start, &w.f_ext, &w.f_dead, &w.b, &w.rhs, &w.free_rhs, &w.dv, &w.residual, &w.product, &w.bare, &w.dv_from, &w.bare_from}) {
         field->assign(n, Vec3::Zero());
     }
     w.diagonal.resize(n);

@@ -113,6 +113,8 @@ struct Workspace {
     std::vector<Vec3> b, rhs, free_rhs;  ///< right-hand side; with drag springs; with held coordinates zeroed
     std::vector<Vec3> dv, residual, product;
     std::vector<Vec3> bare;           ///< b - A dv of the body itself: without drag springs and contacts
+    std::vector<Vec3> dv_from, bare_from;  ///< the same where the solve at work began
+    double norm = 0;                  ///< of this body, where a loop over members asks for it
     std::vector<solve::AppendedRow> own_rows;  ///< in an island of several: the body's part of the rows beside the matrices, in its own matrix, for its preconditioner
     std::size_t place = 0;            ///< of the body among those of the step
     std::size_t first_row = 0;        ///< of its vertices in the system of its island

@@ -19,6 +19,10 @@ namespace supple {
 namespace {
 
 constexpr double kAgree = 5e-3;      // of the sum of forces
+constexpr double kNearly = 0.3;      // of the sum of forces: among several bodies, models that are so near show which contacts are too deep, and whether others may have come
+constexpr double kOvershoot = 0.1;   // of the work that a way begins with: so much against it at its end, and the way is too long
+constexpr double kWorkLeft = 0.02;   // of it, where the way ends instead
+constexpr int kMostTrials = 30;
 constexpr double kSteady = 0.9;      // cosine between two directions of slip that agree, and how much of Newton's step is taken then
 constexpr double kRaise = 8;         // factor of the stiffness of a contact that is too deep
 constexpr double kMostBoost = 4096;
@@ -53,6 +57,13 @@ Vec3 shift(const StepContext& ctx, const Body& body, const Contact& c) {
     const Collider& collider = ctx.world.colliders[c.collider];
     if (collider.unknown()) z -= ctx.world.def.time_step_s * (collider.dw.head<3>() + collider.dw.tail<3>().cross(c.lever));
     return z;
+}
+
+template <class Visit>
+void for_contacts(Island& island, Visit&& visit) {
+    for (Member& member : island.members) {
+        for (Contact& c : member.body->contacts.list) visit(*member.body, c);
+    }
 }
 
 struct Push {
@@ -220,15 +231,10 @@ void add_contact_forces(StepContext& ctx, Island& island, bool at_solution, std:
     }
 }
 
-ContactCheck update_contacts(StepContext& ctx, Island& island, const Unsolved& may_leave, bool raise, bool last) {
+ContactCheck check_contacts(StepContext& ctx, Island& island, const Unsolved& may_leave, bool raise) {
     // What a difference of forces is as a residual; as an energy it is at most that of the contact's own spring, for the system is at least as stiff as it.
     double difference = 0, sum = 0, residual = 0, energy = 0;
-    const auto for_contacts = [&](auto&& visit) {
-        for (Member& member : island.members) {
-            for (Contact& c : member.body->contacts.list) visit(*member.body, c);
-        }
-    };
-    for_contacts([&](const Body& body, const Contact& c) {
+    for_contacts(island, [&](const Body& body, const Contact& c) {
         const Vec3 z = shift(ctx, body, c);
         const Vec3 force = push(c, c.s_zero + z).force;
         const double off = (c.closed ? Vec3(force - c.force(z)) : force).norm();
@@ -242,18 +248,76 @@ ContactCheck update_contacts(StepContext& ctx, Island& island, const Unsolved& m
     ContactCheck check;
     check.error = sum > 0 ? difference / sum : difference > 0 ? 1 : 0;
     check.agrees = check.error <= kAgree || within;
-    if (last) return check;  // the forces stay those that the solution was found with
-    if (check.agrees && raise) {
-        for_contacts([&](const Body& body, Contact& c) {
+    check.nearly = check.agrees || (!island.alone() && check.error <= kNearly);
+    if (check.nearly && raise) {
+        for_contacts(island, [&](const Body& body, Contact& c) {
             if (c.attachment >= 0 || c.boost >= kMostBoost || -c.normal.dot(c.s_zero + shift(ctx, body, c)) <= c.allowed_depth) return;
             c.boost *= kRaise;
             check.raised = true;
         });
     }
-    if (cap_colliders(ctx) || check.raised) check.agrees = false;
-    if (check.agrees) return check;
-    for_contacts([&](const Body& body, Contact& c) { set_model(c, shift(ctx, body, c)); });
     return check;
+}
+
+void begin_way(StepContext& ctx, Island& island) {
+    for_contacts(island, [&](const Body& body, Contact& c) { c.z_from = shift(ctx, body, c); });
+    for (Member& member : island.members) {
+        Workspace& w = member.body->work;
+        std::copy(w.dv.begin(), w.dv.end(), w.dv_from.begin());
+        std::copy(w.bare.begin(), w.bare.end(), w.bare_from.begin());
+    }
+}
+
+double part_of_way(StepContext& ctx, Island& island) {
+    // All but the contacts is linear: its work along the way is that of the residuals with the models, without the models' own. What yields is in balance with the models at both ends.
+    double from = 0, to = 0;
+    for (const Member& member : island.members) {
+        const Workspace& w = member.body->work;
+        for (std::size_t i = 0; i < w.dv.size(); ++i) {
+            const Vec3 way = w.dv[i] - w.dv_from[i];
+            from += way.dot(w.free_rhs[i]);
+            to += way.dot(w.residual[i]);
+        }
+    }
+    for_contacts(island, [&](const Body& body, Contact& c) {
+        c.way = shift(ctx, body, c) - c.z_from;
+        if (!c.closed) return;
+        from -= c.force(c.z_from).dot(c.way);
+        to -= c.force(c.z_from + c.way).dot(c.way);
+    });
+    const auto work = [&](double part) {
+        double sum = (1 - part) * from + part * to;
+        for_contacts(island, [&](const Body&, const Contact& c) { sum += push(c, c.s_zero + c.z_from + part * c.way).force.dot(c.way); });
+        return sum;
+    };
+    const double start = work(0);
+    double low = 0, high = 1, at_low = start, at_high = work(1), part = 1;
+    if (!(start > 0) || !(at_high < -kOvershoot * start)) return 1;
+    for (int trial = 0; trial < kMostTrials; ++trial) {
+        part = trial % 3 == 2 ? 0.5 * (low + high) : low + (high - low) * at_low / (at_low - at_high);
+        const double here = work(part);
+        if (std::abs(here) <= kWorkLeft * start) break;
+        (here > 0 ? low : high) = part;
+        (here > 0 ? at_low : at_high) = here;
+    }
+    return part;
+}
+
+void go_back(Island& island, double part) {
+    for (Member& member : island.members) {
+        Workspace& w = member.body->work;
+        for (std::size_t i = 0; i < w.dv.size(); ++i) {
+            w.dv[i] = w.dv_from[i] + part * (w.dv[i] - w.dv_from[i]);
+            w.bare[i] = w.bare_from[i] + part * (w.bare[i] - w.bare_from[i]);
+        }
+    }
+}
+
+void model_contacts(StepContext& ctx, Island& island, double part) {
+    for_contacts(island, [&](const Body& body, Contact& c) {
+        const Vec3 z = shift(ctx, body, c);
+        set_model(c, part < 1 ? Vec3(c.z_from + part * (z - c.z_from)) : z);
+    });
 }
 
 bool contacts_are_stale(StepContext& ctx, const Island& island) {

@@ -4,7 +4,7 @@
 namespace supple {
 
 // Contact inside a step. begin_colliders; find_contacts for all bodies where Newton begins; islands are made of what touches; for each: solves and
-// update_contacts until the contacts agree with the solution; read_contacts; end_colliders.
+// check_contacts and model_contacts until the contacts agree with the solution; read_contacts; end_colliders.
 
 /// Poses at the start of the step, where given motions lead, first guesses of the others.
 void begin_colliders(StepContext& ctx);
@@ -14,9 +14,9 @@ void end_colliders(StepContext& ctx);
 /// The contacts of bodies around the velocity v0 + dv that their solve has reached, with colliders and with one another: what touches, what may touch, and the
 /// model of each.
 void find_contacts(StepContext& ctx, std::span<Member> members);
-/// Those of a body with another whose box its own box meets, or with itself, where both surfaces know where they would end (ContactSurface::end).
+/// Those of a body with another whose box its own box meets, or with itself, where both surfaces are fitted (ContactSurface::fit). Writes to the body's contacts alone.
 void find_body_contacts(StepContext& ctx, Member& member, Member& other);
-/// Those of its sharp edges with the other's; once for two bodies, after what find_body_contacts() finds on both sides.
+/// Those of its sharp edges with the other's, to ContactSet::edges of the body alone; once for two bodies, after what find_body_contacts() finds on both sides.
 void find_edge_contacts(StepContext& ctx, Member& member, Member& other);
 /// True if a body's contact with another body of this key (Contact::key) pressed in the last step.
 bool pressed_before(const Body& body, std::int32_t other_slot, const std::array<std::int32_t, 3>& key);
@@ -52,6 +52,7 @@ void add_contact_forces(StepContext& ctx, Island& island, bool at_solution, std:
 
 struct ContactCheck {
     bool agrees = true;   ///< the models' forces are those of the contacts where the solution has led
+    bool nearly = true;   ///< it is worth looking for other contacts
     bool raised = false;  ///< contacts were too deep and are stiffer now
     double error = 0;     ///< sum of the differences, as part of the sum of forces
 };
@@ -59,9 +60,17 @@ struct ContactCheck {
 struct Unsolved {
     double residual = 0, energy = 0;
 };
-/// Models at the solution dv, if they disagree with it by more than half a percent and by more than the solve itself may leave. Where `raise`, contacts that are too
-/// deep become stiffer. `last`: only looks.
-ContactCheck update_contacts(StepContext& ctx, Island& island, const Unsolved& may_leave, bool raise, bool last);
+/// Whether the models say what the contacts do at the solution dv: to half a percent, or to what the solve itself may leave. Where they nearly do and `raise`, contacts
+/// that are too deep become stiffer.
+ContactCheck check_contacts(StepContext& ctx, Island& island, const Unsolved& may_leave, bool raise);
+/// The solution at hand is where the next solve begins: contacts remember z, bodies dv and `bare`.
+void begin_way(StepContext& ctx, Island& island);
+/// How far the solution may go from there: to where the contacts' true forces no longer do work along the way. A piece of (0, 1].
+double part_of_way(StepContext& ctx, Island& island);
+/// Goes back to this part of the way (begin_way()).
+void go_back(Island& island, double part);
+/// The models of the contacts at this part of the way.
+void model_contacts(StepContext& ctx, Island& island, double part);
 /// True if the solution has led so far from where the contacts were looked for that there may be others.
 bool contacts_are_stale(StepContext& ctx, const Island& island);
 

@@ -60,6 +60,7 @@ struct Contact {
     Vec3 s_zero = Vec3::Zero();       ///< s at v0: s = s_zero + z, z linear in the solution
     // The model f = f_ref - K (z - z_ref), and whether it pushes.
     Vec3 z_ref = Vec3::Zero(), f_ref = Vec3::Zero();
+    Vec3 z_from = Vec3::Zero(), way = Vec3::Zero();  ///< z where the solve at work began, and how far it has gone from there
     Mat3 K = Mat3::Zero();
     bool closed = false;
     Vec3 slip = Vec3::Zero();         ///< direction of its friction where it slips, else zero
@@ -91,6 +92,7 @@ struct ContactSurface {
     double mean_edge_m = 0, longest_edge_m = 0;
     std::vector<Vec3> end;               ///< [vertex] where it would be at the end of the step
     contact::Bounds box;                 ///< of start and end
+    bool needed = false;                 ///< by another body, or by itself: the tree must be fitted before anyone looks
     bool fitted = false;                 ///< the tree is, to start and end; and so are the normals
     std::vector<Vec3> normal;            ///< [triangle] outward at the end, unit; not finite where it is flat
     double margin_m = 0;                 ///< contacts up to this gap are watched
@@ -106,6 +108,7 @@ struct ContactSurface {
 struct ContactSet {
     std::unique_ptr<ContactSurface> surface;
     std::vector<Contact> list;           ///< ascending by collider and vertices
+    std::vector<Contact> edges;          ///< scratch of find_contacts(): of edges with edges, before they join the list
     std::vector<ContactPoint> report;
 };
 

@@ -168,6 +168,8 @@ void look_at_vertex(Meeting& m, std::int32_t v) {
     const double reach = pressed || (p1 - p0).squaredNorm() > m.margin_m * m.margin_m ? m.reach_m : m.margin_m;
     Bounds box{p0, p0};
     box.include(p1);
+    Bounds segment = box;
+    segment.grow(kBeside * m.reach_m);  // as far beside a triangle as a crossing may lie
     box.grow(reach);
     Vec3 normal = Vec3::Zero();
     Found nearest, facing;
@@ -183,10 +185,16 @@ void look_at_vertex(Meeting& m, std::int32_t v) {
         if (m.self && (!faces || neighbours(m, v, t))) return;
         const Vec3 way = p1 - p0 - (m.end(c[0]) + m.end(c[1]) + m.end(c[2]) - m.start(c[0]) - m.start(c[1]) - m.start(c[2])) / 3;
         // What slides along a face comes through the side of an edge, by the hair that it lies too deep: only what faces it stops it.
-        if (faces && (m.self || way.norm() > kFollow * m.margin_m)) {
+        if (faces && (m.self || way.squaredNorm() > kFollow * kFollow * m.margin_m * m.margin_m) && m.surface().tree.box(t).overlaps(segment)) {
             const auto through = crossing(m, p0, p1, t);
             if (through && (!crossed || through->time < crossed->time)) crossed = through;
         }
+        const double same = 1e-9 * m.margin_m;  // a point of an edge is as far from both sides
+        const double farther = faces ? std::max(nearest_m, facing_m + same) : nearest_m;
+        Bounds around{m.end(c[0]), m.end(c[0])};
+        around.include(m.end(c[1]));
+        around.include(m.end(c[2]));
+        if (around.squared_distance(p1) > farther * farther) return;
         const NearestPoint at = nearest_on_triangle(p1, m.end(c[0]), m.end(c[1]), m.end(c[2]));
         const Found here{t, at.barycentric, n, -1};
         if (at.distance < nearest_m) {
@@ -194,7 +202,6 @@ void look_at_vertex(Meeting& m, std::int32_t v) {
             nearest = here;
         }
         if (!faces) return;
-        const double same = 1e-9 * m.margin_m;  // a point of an edge is as far from both sides
         if (at.distance < facing_m - same || (at.distance < facing_m + same && against < facing_dot)) {
             facing_m = at.distance;
             facing_dot = against;
@@ -235,12 +242,11 @@ bool may_touch(const World::Impl& world, const Member& a, const Member& b) {
 
 void find_body_contacts(StepContext& ctx, Member& member, Member& other) {
     const ContactSurface& own = *member.body->contacts.surface;
-    ContactSurface& surface = *other.body->contacts.surface;
+    const ContactSurface& surface = *other.body->contacts.surface;
     const double margin = 0.5 * (own.margin_m + surface.margin_m), reach = kReach * surface.mean_edge_m;
     Bounds box = surface.box;
     box.grow(margin);
     if (!box.overlaps(own.box)) return;
-    surface.fit(other.body->data().boundary.triangles, other.body->state.x);
     const double friction = std::sqrt(member.body->def.friction * other.body->def.friction);
     Meeting m{ctx, *member.body, *other.body, std::int32_t(other.id.index), &member == &other, margin, reach, friction};
     for (const std::int32_t v : member.body->data().boundary_vertices) {

@@ -255,6 +255,49 @@ int compare(const Contact& c, const ContactMemory& m) {
     return key == m.vertex ? 0 : key < m.vertex ? -1 : 1;
 }
 
+void remember(const World::Impl& world, const ContactMemory& m, Contact& c) {
+    const std::uint32_t generation = c.other != nullptr ? world.slots[std::size_t(c.other_slot)].generation : world.colliders[c.collider].generation;
+    if (m.generation != generation) return;
+    c.boost = m.boost;
+    Vec3 friction(m.friction_n[0], m.friction_n[1], m.friction_n[2]);
+    if (c.other == nullptr) {
+        const Collider& collider = world.colliders[c.collider];
+        friction = collider.R1 * (collider.R0.transpose() * friction);
+    }
+    c.memory_n = friction - c.normal.dot(friction) * c.normal;
+}
+
+bool is_edge(const ContactMemory& m) { return m.collider == kNoCollider && m.vertex[2] <= edge_tag(0); }
+
+/// True if this contact of two edges may be that one, gone on to the next edge of the one body, or of the other.
+bool goes_on(const ContactMemory& m, const Contact& c) {
+    if (m.other != c.other_slot) return false;
+    const std::vector<SharpEdge>& sharp = c.other->contacts.surface->sharp;
+    const auto before = std::size_t(edge_tag(m.vertex[2]));  // edge_tag() is its own inverse
+    if (before >= sharp.size()) return false;
+    const auto meet = [](std::int32_t a0, std::int32_t a1, std::int32_t b0, std::int32_t b1) { return a0 == b0 || a0 == b1 || a1 == b0 || a1 == b1; };
+    return meet(m.vertex[0], m.vertex[1], c.vertex[0], c.vertex[1]) && meet(sharp[before].vertex[0], sharp[before].vertex[1], c.vertex[2], c.vertex[3]);
+}
+
+/// Contacts of edges that the last step does not know: from those that it alone knows, each once.
+void remember_edges(const World::Impl& world, Body& body) {
+    const auto same = [](const Contact& c, const ContactMemory& m) { return c.collider == m.collider && c.other_slot == m.other && c.key() == m.vertex; };
+    thread_local std::vector<const ContactMemory*> gone;  // a step allocates only to grow
+    gone.clear();
+    const std::vector<Contact>& list = body.contacts.list;
+    for (const ContactMemory& m : body.state.contacts)
+        if (is_edge(m) && std::none_of(list.begin(), list.end(), [&](const Contact& c) { return c.attachment < 0 && same(c, m); })) gone.push_back(&m);
+    if (gone.empty()) return;
+    for (Contact& c : body.contacts.list) {
+        if (c.tag == -1) continue;
+        if (std::any_of(body.state.contacts.begin(), body.state.contacts.end(), [&](const ContactMemory& m) { return same(c, m); })) continue;
+        const auto at = std::find_if(gone.begin(), gone.end(), [&](const ContactMemory* m) { return goes_on(*m, c); });
+        if (at == gone.end()) continue;
+        remember(world, **at, c);
+        gone.erase(at);
+    }
+}
+
 /// Friction and stiffness of the last step.
 void sort_and_remember(const World::Impl& world, Body& body) {
     std::vector<Contact>& list = body.contacts.list;
@@ -269,16 +312,9 @@ void sort_and_remember(const World::Impl& world, Body& body) {
         if (c.attachment >= 0) continue;
         while (m != memory.end() && compare(c, *m) > 0) ++m;
         if (m == memory.end() || compare(c, *m) != 0) continue;
-        const std::uint32_t generation = c.other != nullptr ? world.slots[std::size_t(c.other_slot)].generation : world.colliders[c.collider].generation;
-        if (m->generation != generation) continue;
-        c.boost = m->boost;
-        Vec3 friction(m->friction_n[0], m->friction_n[1], m->friction_n[2]);
-        if (c.other == nullptr) {
-            const Collider& collider = world.colliders[c.collider];
-            friction = collider.R1 * (collider.R0.transpose() * friction);
-        }
-        c.memory_n = friction - c.normal.dot(friction) * c.normal;
+        remember(world, *m, c);
     }
+    remember_edges(world, body);
 }
 
 /// Where the surface would end.
@@ -292,7 +328,7 @@ void follow_surface(Body& body) {
         surface.box.include(surface.end[i]);
         surface.box.include(body.state.x[i]);
     }
-    surface.fitted = false;
+    surface.fitted = surface.needed = false;
 }
 
 /// Pairs of members whose boxes meet, both ways round, each with itself among them: sweep and prune along x.
@@ -368,31 +404,42 @@ void find_contacts(StepContext& ctx, std::span<Member> members) {
     World::Impl& world = ctx.world;
     Scratch& scratch = ctx.scratch;
     refer_colliders(ctx);
-    for (Member& member : members) {
-        if (member.body->contacts.surface) follow_surface(*member.body);
-    }
+    ctx.team.for_chunks(members.size(), [&](std::size_t i) {
+        if (members[i].body->contacts.surface) follow_surface(*members[i].body);
+    });
     find_near(scratch, members);
-    auto near = scratch.near.begin();
-    for (std::size_t i = 0; i < members.size(); ++i) {
-        Member& member = members[i];
-        member.body->contacts.list.clear();
-        if (world.living_colliders > 0) find_touching(ctx, *member.body);
-        for (; near != scratch.near.end() && std::size_t((*near)[0]) == i; ++near) {
-            Member& other = members[std::size_t((*near)[1])];
-            if (may_touch(world, member, other)) find_body_contacts(ctx, member, other);
-        }
-    }
-    for (const auto& [one, two] : scratch.near) {
-        Member &member = members[std::size_t(one)], &other = members[std::size_t(two)];
-        if (one <= two && may_touch(world, member, other)) find_edge_contacts(ctx, member, other);
-    }
-    for (Member& member : members) {
-        Body& body = *member.body;
-        if (world.living_attachments > 0) find_attachments(ctx, member, members);
-        if (body.contacts.list.empty()) continue;
+    std::erase_if(scratch.near, [&](const auto& pair) { return !may_touch(world, members[std::size_t(pair[0])], members[std::size_t(pair[1])]); });
+    for (const auto& pair : scratch.near) members[std::size_t(pair[1])].body->contacts.surface->needed = true;
+    // From here on each member writes to what is its own alone.
+    ctx.team.for_chunks(members.size(), [&](std::size_t i) {
+        Body& body = *members[i].body;
+        body.contacts.list.clear();
+        body.contacts.edges.clear();
+        if (body.contacts.surface && body.contacts.surface->needed) body.contacts.surface->fit(body.data().boundary.triangles, body.state.x);
+    });
+    const auto for_near = [&](std::size_t i, auto&& visit) {
+        const std::array<std::int32_t, 2> first{std::int32_t(i), 0};
+        for (auto near = std::lower_bound(scratch.near.begin(), scratch.near.end(), first); near != scratch.near.end() && std::size_t((*near)[0]) == i; ++near) visit(members[std::size_t((*near)[1])]);
+    };
+    ctx.team.for_chunks(members.size(), [&](std::size_t i) {
+        if (world.living_colliders > 0) find_touching(ctx, *members[i].body);
+        for_near(i, [&](Member& other) { find_body_contacts(ctx, members[i], other); });
+    });
+    ctx.team.for_chunks(members.size(), [&](std::size_t i) {
+        for_near(i, [&](Member& other) {
+            if (&members[i] <= &other) find_edge_contacts(ctx, members[i], other);
+        });
+    });
+    if (world.living_attachments > 0)
+        for (Member& member : members) find_attachments(ctx, member, members);
+    ctx.team.for_chunks(members.size(), [&](std::size_t i) {
+        Body& body = *members[i].body;
+        std::vector<Contact>& list = body.contacts.list;
+        list.insert(list.end(), body.contacts.edges.begin(), body.contacts.edges.end());
+        if (list.empty()) return;
         sort_and_remember(world, body);
         place_contacts(ctx, body);
-    }
+    });
 }
 
 }  // namespace supple

@@ -119,7 +119,7 @@ void add_contact(Pair& p, std::int32_t e, std::int32_t f, const Crossing& at, co
         touched = before <= 0 ? 0 : after >= 0 ? 1 : before / (before - after);
     }
     c.s_touch = (1 - touched) * s0 + touched * s1;
-    p.one.body.contacts.list.push_back(c);
+    p.one.body.contacts.edges.push_back(c);
 }
 
 /// Out of the second edge, into the first; zero if their ridges do not face one another there.
@@ -182,14 +182,12 @@ void look_at_pair(Pair& p, std::int32_t e, std::int32_t f) {
 }  // namespace
 
 void find_edge_contacts(StepContext& ctx, Member& member, Member& other) {
-    ContactSurface &own = *member.body->contacts.surface, &with = *other.body->contacts.surface;
+    const ContactSurface &own = *member.body->contacts.surface, &with = *other.body->contacts.surface;
     if (own.sharp.empty() || with.sharp.empty()) return;
     const double margin = 0.5 * (own.margin_m + with.margin_m), reach = kReach * std::min(own.mean_edge_m, with.mean_edge_m);
     Bounds box = with.box;
     box.grow(margin);
     if (!box.overlaps(own.box)) return;
-    own.fit(member.body->data().boundary.triangles, member.body->state.x);
-    with.fit(other.body->data().boundary.triangles, other.body->state.x);
     const double friction = std::sqrt(member.body->def.friction * other.body->def.friction);
     Pair pair{ctx, {*member.body, own}, {*other.body, with}, std::int32_t(other.id.index), margin, std::max(reach, margin), friction, &member == &other};
     for (std::size_t e = 0; e < own.sharp.size(); ++e) {

@@ -32,7 +32,7 @@ struct World::Impl {
     Isa isa = best_isa();
     int threads = 1;
     Team alone;                      ///< for bodies too small to share
-    std::unique_ptr<Team> crew;      ///< `threads` strong; made when the bodies are large enough, one of them or all together
+    std::unique_ptr<Team> crew;      ///< `threads` strong; made when the bodies are large enough, one or all together
 
     struct Slot {
         std::uint32_t generation = 1;
@@ -72,8 +72,6 @@ struct World::Impl {
     };
     std::vector<ContactSwitch> contact_switches;
 
-    /// A body has come: from here on there is a team if there is work for one.
-    void engage_crew();
     Team& team_for(std::size_t elements) { return crew && elements >= kMinElementsForThreads ? *crew : alone; }
     Body& body(BodyId id) const;
     Drag& drag(DragId id);
@@ -82,6 +80,10 @@ struct World::Impl {
     double time_s() const { return double(step) * def.time_step_s; }
 };
 
+/// Elements of all bodies.
+std::size_t element_count(const World::Impl& world);
+/// Makes the crew, once the bodies are enough to share.
+void need_crew(World::Impl& world);
 /// Every body that may touch something knows its surface.
 void give_contact_surfaces(World::Impl& world);
 /// Fills world.islands from the contacts of world.active: bodies that touch one another, are tied together or touch the same collider that yields.

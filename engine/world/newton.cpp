@@ -38,7 +38,8 @@ double work_along(StepContext& ctx, Island& island) {
 
 /// Forces and tangents at v0; the norm of b, not finite if a body has blown up.
 double evaluate(StepContext& ctx, Island& island, bool at_current) {
-    return norm_of(island, [&](Body& body) { return evaluate_elements(ctx, body, at_current); });
+    for_members(ctx, island.members, [&](StepContext& of, Body& body) { body.work.norm = evaluate_elements(of, body, at_current); });
+    return norm_of(island, [](Body& body) { return body.work.norm; });
 }
 
 /// The whole of dv, unsearched.
@@ -114,7 +115,7 @@ Solved solve_linearised(StepContext& ctx, Watch& watch, Island& island, bool pro
         evaluate(ctx, island, false);
         watch.lap(ctx, Stage::elements);
     }
-    for (Member& member : island.members) assemble(ctx, *member.body, island);
+    for_members(ctx, island.members, [&](StepContext& of, Body& body) { assemble(of, body, island); });
     island.same_matrices = false;
     watch.lap(ctx, Stage::assemble);
     const Solved solved = solve_system(ctx, island, floor, tolerance, first);

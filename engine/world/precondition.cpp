@@ -343,7 +343,7 @@ std::optional<solve::LinearSolveResult> try_other(const LoneSolve<Real>& solve, 
 }
 
 template <class Real>
-solve::LinearSolveResult solve_with_own(const LoneSolve<Real>& solve, bool warm, const solve::LinearSolveDef& def, bool remember) {
+solve::LinearSolveResult solve_with_own(const LoneSolve<Real>& solve, bool warm, const solve::LinearSolveDef& def, bool remember, bool again) {
     RowExchange& exchange = solve.exchange;
     Body& body = solve.body;
     System<Real>& system = solve.system;
@@ -364,13 +364,14 @@ solve::LinearSolveResult solve_with_own(const LoneSolve<Real>& solve, bool warm,
     if (lattice) turn_lattice(ctx, body, system);
     if (!lattice) {
         result = solve.run(*system.laplacian, warm, def);
-    } else if (remember && automatic && memory[kMemoryTrial] == 0) {
+    } else if (automatic && (again || (remember && memory[kMemoryTrial] == 0))) {
+        // What is left when contacts have changed is near them: the coarse levels, which do not see contacts, have little to say.
         solve::LinearSolveDef trial = def;
         trial.max_iterations = std::min(def.max_iterations, kJacobiLimit);
         result = solve.run(*system.preconditioner, warm, trial);
-        memory[kMemoryTrial] = kTrialEvery;
+        if (!again) memory[kMemoryTrial] = kTrialEvery;
         if (result.converged) {
-            set_kind(body, PreconditionerKind::block_jacobi);
+            if (!again) set_kind(body, PreconditionerKind::block_jacobi);
             return result;
         }
         if (result.iterations < trial.max_iterations || result.out_of_time) return result;
@@ -388,22 +389,22 @@ solve::LinearSolveResult solve_with_own(const LoneSolve<Real>& solve, bool warm,
 }
 
 template <class Real>
-solve::LinearSolveResult solve_alone(RowExchange& exchange, Body& body, System<Real>& system, bool warm, const solve::LinearSolveDef& def, bool remember) {
+solve::LinearSolveResult solve_alone(RowExchange& exchange, Body& body, System<Real>& system, bool warm, const solve::LinearSolveDef& def, bool remember, bool again) {
     const LoneSolve<Real> solve{body, system, exchange};
-    if (!remember || exchange.ctx.world.def.solver.preconditioner != PreconditionerKind::automatic_timed) return solve_with_own(solve, warm, def, remember);
+    if (!remember || exchange.ctx.world.def.solver.preconditioner != PreconditionerKind::automatic_timed) return solve_with_own(solve, warm, def, remember, again);
     if (const auto trial = try_other(solve, warm, def)) {
         const bool late = def.deadline_ns != 0 && now_ns() > def.deadline_ns;
         if (trial->converged || trial->indefinite || late || trial->iterations >= def.max_iterations || !std::isfinite(trial->residual)) return *trial;
         exchange.rows.b = exchange.rows.residual;
         solve::LinearSolveDef rest = def;
         rest.max_iterations -= trial->iterations;
-        solve::LinearSolveResult result = solve_with_own(solve, false, rest, false);
+        solve::LinearSolveResult result = solve_with_own(solve, false, rest, false, again);
         result.iterations += trial->iterations;
         result.bytes += trial->bytes;
         return result;
     }
     const std::int64_t begin = now_ns();
-    const solve::LinearSolveResult result = solve_with_own(solve, warm, def, true);
+    const solve::LinearSolveResult result = solve_with_own(solve, warm, def, true, again);
     if (result.converged && result.iterations > 0) body.timer.note(1e-6 * double(now_ns() - begin));
     return result;
 }
@@ -624,7 +625,7 @@ void prepare_preconditioner(StepContext& ctx, Body& body) {
 }
 
 solve::LinearSolveResult solve_preconditioned(StepContext& ctx, Island& island, bool warm, const solve::LinearSolveDef& def, bool remember,
-                                              FunctionRef<void()> true_residual) {
+                                              bool again, FunctionRef<void()> true_residual) {
     const World::Impl& world = ctx.world;
     Scratch& scratch = ctx.scratch;
     RowExchange exchange{ctx, island, true_residual};
@@ -639,7 +640,7 @@ solve::LinearSolveResult solve_preconditioned(StepContext& ctx, Island& island, 
     }
     Body& body = *island.members[0].body;
     solve::LinearSolveResult result;
-    with_system(body, [&](auto& system) { result = solve_alone(exchange, body, system, warm, def, remember); });
+    with_system(body, [&](auto& system) { result = solve_alone(exchange, body, system, warm, def, remember, again); });
     return result;
 }
 

@@ -55,8 +55,9 @@ void supports_have_changed(Body& body);
 /// Solves an island's system, work.free_rhs for work.dv, each body with its preconditioner, and goes on with block-Jacobi where one breaks down.
 /// @param warm           starts from the best of zero and what the last steps suggest
 /// @param remember       its iterations, for the choices above: of the first solve of a step, which are alike from step to step
+/// @param again          goes on from an earlier solve of the same matrices: what touches has changed
 /// @param true_residual  writes work.residual of all members for their work.dv
 solve::LinearSolveResult solve_preconditioned(StepContext& ctx, Island& island, bool warm, const solve::LinearSolveDef& def, bool remember,
-                                              FunctionRef<void()> true_residual);
+                                              bool again, FunctionRef<void()> true_residual);
 
 }  // namespace supple

@@ -13,10 +13,13 @@ namespace {
 using solve::kRowChunk;
 
 constexpr double kWorstContacts = 0.1;  // of their force: what contacts may disagree in without a flag
+constexpr int kEarlySearches = 2;       // solves: the first ones go so far that other contacts are looked for at once
 
 /// How often a system may still be solved, contacts looked for anew, and deep ones made stiffer.
 struct TouchRounds {
     int solves = 0, searches = 3, raises = 4;
+    double loose = 1;      ///< the last solve left so many times what it may in the end
+    bool agreed = false;   ///< after the last solve
 };
 
 /// Force of a drag spring whose patch is at x and moves with v.
@@ -106,15 +109,14 @@ bool cap_drags(StepContext& ctx, Island& island) {
 
 /// residual = what the equation lacks at dv in float64, matrix-free, zero where held; what is left over there is the supports' reaction.
 void true_residual(StepContext& ctx, Island& island) {
-    for (Member& member : island.members) {
-        Body& body = *member.body;
-        const double mass = mass_scale(ctx, body), stiffness = stiffness_scale(ctx, body);
+    for_members(ctx, island.members, [](StepContext& of, Body& body) {
+        const double mass = mass_scale(of, body), stiffness = stiffness_scale(of, body);
         Workspace& w = body.work;
-        tangent_product(ctx, body, w.dv);
-        ctx.team.for_range(body.vertices(), kRowChunk, [&](std::size_t begin, std::size_t end) {
+        tangent_product(of, body, w.dv);
+        of.team.for_range(body.vertices(), kRowChunk, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) w.residual[i] = w.bare[i] = w.b[i] - mass * body.mass[i] * w.dv[i] - stiffness * w.product[i];
         });
-    }
+    });
     add_touch(ctx, island, true, &Workspace::residual);
     for (Member& member : island.members) {
         Body& body = *member.body;
@@ -239,20 +241,38 @@ void drop_drags(World::Impl& world, BodyId id) {
 namespace {
 
 /// After a solve: what it has led to is what it was told. If not, contacts and springs have been told anew, and it must be repeated from where it is.
+///
+/// The solves are a semismooth Newton iteration, whose full steps cycle where a stiff contact opens and another shuts: a step ends where it no longer does work.
 bool touch_agrees(StepContext& ctx, Island& island, const Unsolved& may_leave, TouchRounds& rounds) {
     const bool last = ++rounds.solves >= ctx.world.def.solver.contact_iterations;
-    const bool capped = cap_drags(ctx, island);
-    const ContactCheck check = update_contacts(ctx, island, may_leave, rounds.raises > 0, last && !capped);
-    if (check.raised) --rounds.raises;
-    if (last && !capped) {
+    const bool capped = cap_drags(ctx, island), at_end = last && !capped;
+    const ContactCheck check = check_contacts(ctx, island, may_leave, rounds.raises > 0 && !at_end);
+    if (at_end) {  // the forces stay those that the solution was found with
         if (check.error > kWorstContacts) ctx.report.flags |= StepFlag::contact_cap;
         return true;
     }
-    if (capped || !check.agrees) return false;
-    if (rounds.searches == 0 || !contacts_are_stale(ctx, island)) return true;
-    --rounds.searches;
-    find_contacts(ctx, island.members);
+    if (check.raised) --rounds.raises;
+    const bool changed = cap_colliders(ctx) || check.raised || capped;
+    rounds.agreed = check.agrees && !changed;
+    if (rounds.searches > 0 && (check.nearly || (!island.alone() && rounds.solves <= kEarlySearches)) && contacts_are_stale(ctx, island)) {
+        --rounds.searches;
+        rounds.agreed = false;
+        find_contacts(ctx, island.members);
+        return false;
+    }
+    if (rounds.agreed) return rounds.loose == 1;  // if not, on with the same models
+    const double part = changed ? 1 : part_of_way(ctx, island);
+    model_contacts(ctx, island, part);
+    if (part < 1) go_back(island, part);
     return false;
+}
+
+/// Of attachments the model is the truth.
+bool any_contacts(const Island& island) {
+    return std::any_of(island.members.begin(), island.members.end(), [](const Member& member) {
+        const std::vector<Contact>& list = member.body->contacts.list;
+        return std::any_of(list.begin(), list.end(), [](const Contact& c) { return c.attachment < 0; });
+    });
 }
 
 }  // namespace
@@ -274,9 +294,11 @@ Solved solve_system(StepContext& ctx, Island& island, double floor, double toler
         const auto missing = again ? &Workspace::residual : &Workspace::rhs;  // rhs stays that of v0: line searches ask for it
         for (Member& member : island.members) {
             Workspace& w = member.body->work;
-            w.*missing = again ? w.bare : w.b;
+            if (!again) std::copy(w.b.begin(), w.b.end(), w.bare.begin());
+            w.*missing = w.bare;
         }
         add_touch(ctx, island, true, missing);
+        begin_way(ctx, island);
         const double norm = norm_of(island, [&](Body& body) {
             Workspace& w = body.work;
             return free_norm(ctx, body, w.*missing, [&](std::size_t i, const Vec3& free) { w.free_rhs[i] = free; });
@@ -293,18 +315,23 @@ Solved solve_system(StepContext& ctx, Island& island, double floor, double toler
             result.residual = free_norm(ctx, island, &Workspace::residual);
         } else {
             // Of the first right-hand side, in its energy: later rounds go as far, not as far in proportion.
-            solve_def.target = may_leave.residual;
-            solve_def.energy_target = may_leave.energy;
-            solve_def.energy_tolerance = !again && norm > 0 ? may_leave.residual / norm : 0;
-            result = solve_preconditioned(ctx, island, warm, solve_def, first && !again, [&] { true_residual(ctx, island); });
-            if (!again) may_leave.energy = result.energy_target;
+            // The first solve of a lone body tells what its preconditioner is worth.
+            const bool settled = rounds.agreed || rounds.solves + 2 >= def.contact_iterations || (island.alone() && !again) || !any_contacts(island);
+            // While contacts still change, half of the digits will do.
+            rounds.loose = settled ? 1 : std::max(1.0, std::sqrt(tolerance) * norm / may_leave.residual);
+            solve_def.target = rounds.loose * may_leave.residual;
+            solve_def.energy_target = rounds.loose * may_leave.energy;
+            solve_def.energy_tolerance = !again && norm > 0 ? solve_def.target / norm : 0;
+            result = solve_preconditioned(ctx, island, warm, solve_def, first && !again, again, [&] { true_residual(ctx, island); });
+            if (!again) may_leave.energy = result.energy_target / rounds.loose;
         }
         ctx.report.cg_iterations += result.iterations;
         ctx.report.solve_bytes += result.bytes;
         if (result.indefinite) return Solved::indefinite;
         if (!std::isfinite(result.residual)) return Solved::not_finite;
-        report_solve(ctx, island, result, std::max(rhs_norm, floor / tolerance));
-        if (result.out_of_time || touch_agrees(ctx, island, may_leave, rounds)) return Solved::yes;
+        const bool done = touch_agrees(ctx, island, may_leave, rounds);
+        if (rounds.loose == 1 || result.out_of_time) report_solve(ctx, island, result, std::max(rhs_norm, floor / tolerance));
+        if (result.out_of_time || done) return Solved::yes;
         ++ctx.report.contact_iterations;
     }
 }

@@ -70,6 +70,19 @@ double norm_of(Island& island, Of&& of) {
     return std::sqrt(square);
 }
 
+/// Runs visit(context, body) for all members: those that a team shares one after the other, then the others side by side, each by one thread.
+template <class Visit>
+void for_members(StepContext& ctx, std::span<Member> members, Visit&& visit) {
+    const auto large = [&](std::size_t i) { return members.size() == 1 || members[i].body->element_count() >= kMinElementsForThreads; };
+    for (std::size_t i = 0; i < members.size(); ++i)
+        if (large(i)) visit(ctx, *members[i].body);
+    ctx.team.for_chunks(members.size(), [&](std::size_t i) {
+        if (large(i)) return;
+        StepContext lone{ctx.world.alone, ctx.world, ctx.scratch, ctx.report, ctx.time_s};
+        visit(lone, *members[i].body);
+    });
+}
+
 // -- shared by the stages ---------------------------------------------------------------------------
 
 /// v with the held coordinates zeroed.

@@ -19,9 +19,9 @@ bool move_island(StepContext& ctx, Watch& watch, Island& island) {
     return solve_step(ctx, watch, island, floor) && integrate(ctx, island);
 }
 
-void begin_body(StepContext& ctx, Member& member) {
-    begin_scheme(ctx, *member.body);
-    gather_loads(ctx, *member.body, ctx.time_s);  // after the trapezoidal rule has looked at the loads of the start
+void begin_body(StepContext& ctx, Body& body) {
+    begin_scheme(ctx, body);
+    gather_loads(ctx, body, ctx.time_s);  // after the trapezoidal rule has looked at the loads of the start
 }
 
 /// The forces of an island's contacts, where all islands may be told.
@@ -39,7 +39,7 @@ void part_island(StepContext& ctx, Watch& watch, Island& island) {
         lone.members[0] = member;
         member.body->work.first_row = 0;
         lone.rows = member.body->vertices();
-        begin_body(ctx, lone.members[0]);
+        begin_body(ctx, *member.body);
         begin_touch(ctx, lone.members);
         if (move_island(ctx, watch, lone)) {
             read_island(ctx, lone);
@@ -131,14 +131,7 @@ StepReport do_step(World::Impl& world) noexcept {
     StepReport report;
     Watch watch;
     Budget budget{now_ns(), world.def.solver.step_budget_us * 1e3};
-    std::size_t largest = 0, small_elements = 0;
-    for (const std::uint32_t slot : world.order) {
-        const std::size_t elements = world.slots[slot].body->element_count();
-        largest = std::max(largest, elements);
-        if (elements < kMinElementsForThreads) small_elements += elements;
-    }
-
-    StepContext ctx{world.team_for(largest), world, world.scratch, report, double(world.step + 1) * world.def.time_step_s};
+    StepContext ctx{world.team_for(element_count(world)), world, world.scratch, report, double(world.step + 1) * world.def.time_step_s};
     begin_colliders(ctx);
     watch.lap(ctx, Stage::contact);
     world.active.clear();
@@ -154,13 +147,7 @@ StepReport do_step(World::Impl& world) noexcept {
         world.active.push_back({id, &body});
     }
     watch.lap(ctx, Stage::guard);
-    StepContext alone{world.alone, world, world.scratch, report, ctx.time_s};
-    world.team_for(small_elements).for_chunks(world.active.size(), [&](std::size_t i) {
-        if (world.active[i].body->element_count() < kMinElementsForThreads) begin_body(alone, world.active[i]);
-    });
-    for (Member& member : world.active) {
-        if (member.body->element_count() >= kMinElementsForThreads) begin_body(ctx, member);
-    }
+    for_members(ctx, world.active, begin_body);
     watch.lap(ctx, Stage::loads);
     begin_touch(ctx, world.active);
     form_islands(world);
@@ -171,22 +158,18 @@ StepReport do_step(World::Impl& world) noexcept {
     for (std::size_t i = 0; i < world.living_islands; ++i) {
         Island& island = world.islands[i];
         if (!small.empty() && is_small(island)) continue;
-        ctx.body_end_ns = budget.end_of(double(island.elements));
-        const bool moved = move_island(ctx, watch, island);
-        end_island(ctx, watch, island, moved);
+        StepContext of{world.team_for(island.elements), world, world.scratch, report, ctx.time_s};
+        of.body_end_ns = budget.end_of(double(island.elements));
+        const bool moved = move_island(of, watch, island);
+        end_island(of, watch, island, moved);
     }
     end_colliders(ctx);
     watch.lap(ctx, Stage::contact);
     ++world.step;
     if (world.def.stress_each_step) {
-        world.team_for(small_elements).for_chunks(world.order.size(), [&](std::size_t i) {
-            Body& body = *world.slots[world.order[i]].body;
-            if (body.element_count() < kMinElementsForThreads) update_stress(body, world.alone);
-        });
-        for (const std::uint32_t slot : world.order) {
-            Body& body = *world.slots[slot].body;
-            if (body.element_count() >= kMinElementsForThreads) update_stress(body, ctx.team);
-        }
+        world.active.clear();  // the frozen ones, too
+        for (const std::uint32_t slot : world.order) world.active.push_back({{slot, world.slots[slot].generation}, world.slots[slot].body.get()});
+        for_members(ctx, world.active, [](StepContext& of, Body& body) { update_stress(body, of.team); });
         watch.lap(ctx, Stage::stress);
     }
     report.step = world.step;

@@ -158,7 +158,7 @@ void replace_body(World::Impl& w, BodyId id, std::unique_ptr<Body> body) {
     std::erase_if(w.retired, [&](const std::unique_ptr<Body>& b) { return !busy(*b); });
     std::unique_ptr<Body>& place = w.slots[id.index].body;
     std::swap(place, body);
-    w.engage_crew();
+    need_crew(w);
     give_contact_surfaces(w);
     if (busy(*body)) w.retired.push_back(std::move(body));  // its thread looks at it; nobody waits
     std::erase_if(w.contact_report, [&](const ContactPoint& c) { return c.body == id || c.other == id; });
@@ -312,6 +312,7 @@ std::vector<BodyId> World::split_off_pieces(BodyId id) {
         const std::vector<Vec3> x_before = from.state.x;
         w.slots[slot].body = std::move(body);
         w.order.push_back(slot);
+        need_crew(w);
         out.push_back({slot, w.slots[slot].generation});
         for (Drag& drag : w.drags)
             if (drag.generation != 0 && drag.body == id && weight_kept(drag.vertex, drag.vertex.size(), edit.delta, drag.weight) > 0.5) drag.body = out.back();

@@ -85,16 +85,19 @@ World::World(const WorldDef& def) : impl_(std::make_unique<Impl>()) {
     impl_->threads = def.threads == 0 ? hardware_threads() : def.threads;
 }
 
-void World::Impl::engage_crew() {
-    if (crew || threads == 1) return;
-    std::size_t elements = 0;
-    for (const std::uint32_t slot : order) elements += slots[slot].body->element_count();
-    if (elements >= kMinElementsForThreads) crew = std::make_unique<Team>(threads);
-}
-
 World::~World() = default;
 World::World(World&&) noexcept = default;
 World& World::operator=(World&&) noexcept = default;
+
+std::size_t element_count(const World::Impl& world) {
+    std::size_t sum = 0;
+    for (const std::uint32_t slot : world.order) sum += world.slots[slot].body->element_count();
+    return sum;
+}
+
+void need_crew(World::Impl& world) {
+    if (!world.crew && world.threads > 1 && element_count(world) >= kMinElementsForThreads) world.crew = std::make_unique<Team>(world.threads);
+}
 
 BodyId World::add_body(const BodyDef& def) {
     Impl& w = *impl_;
@@ -108,7 +111,7 @@ BodyId World::add_body(const BodyDef& def) {
     if (slot == w.slots.size()) w.slots.emplace_back();
     w.slots[slot].body = std::move(body);
     w.order.push_back(slot);
-    w.engage_crew();
+    need_crew(w);
     give_contact_surfaces(w);
     return {slot, w.slots[slot].generation};
 }
