@@ -267,37 +267,6 @@ void remember(const World::Impl& world, const ContactMemory& m, Contact& c) {
     c.memory_n = friction - c.normal.dot(friction) * c.normal;
 }
 
-bool is_edge(const ContactMemory& m) { return m.collider == kNoCollider && m.vertex[2] <= edge_tag(0); }
-
-/// True if this contact of two edges may be that one, gone on to the next edge of the one body, or of the other.
-bool goes_on(const ContactMemory& m, const Contact& c) {
-    if (m.other != c.other_slot) return false;
-    const std::vector<SharpEdge>& sharp = c.other->contacts.surface->sharp;
-    const auto before = std::size_t(edge_tag(m.vertex[2]));  // edge_tag() is its own inverse
-    if (before >= sharp.size()) return false;
-    const auto meet = [](std::int32_t a0, std::int32_t a1, std::int32_t b0, std::int32_t b1) { return a0 == b0 || a0 == b1 || a1 == b0 || a1 == b1; };
-    return meet(m.vertex[0], m.vertex[1], c.vertex[0], c.vertex[1]) && meet(sharp[before].vertex[0], sharp[before].vertex[1], c.vertex[2], c.vertex[3]);
-}
-
-/// Contacts of edges that the last step does not know: from those that it alone knows, each once.
-void remember_edges(const World::Impl& world, Body& body) {
-    const auto same = [](const Contact& c, const ContactMemory& m) { return c.collider == m.collider && c.other_slot == m.other && c.key() == m.vertex; };
-    thread_local std::vector<const ContactMemory*> gone;  // a step allocates only to grow
-    gone.clear();
-    const std::vector<Contact>& list = body.contacts.list;
-    for (const ContactMemory& m : body.state.contacts)
-        if (is_edge(m) && std::none_of(list.begin(), list.end(), [&](const Contact& c) { return c.attachment < 0 && same(c, m); })) gone.push_back(&m);
-    if (gone.empty()) return;
-    for (Contact& c : body.contacts.list) {
-        if (c.tag == -1) continue;
-        if (std::any_of(body.state.contacts.begin(), body.state.contacts.end(), [&](const ContactMemory& m) { return same(c, m); })) continue;
-        const auto at = std::find_if(gone.begin(), gone.end(), [&](const ContactMemory* m) { return goes_on(*m, c); });
-        if (at == gone.end()) continue;
-        remember(world, **at, c);
-        gone.erase(at);
-    }
-}
-
 /// Friction and stiffness of the last step.
 void sort_and_remember(const World::Impl& world, Body& body) {
     std::vector<Contact>& list = body.contacts.list;
@@ -314,7 +283,6 @@ void sort_and_remember(const World::Impl& world, Body& body) {
         if (m == memory.end() || compare(c, *m) != 0) continue;
         remember(world, *m, c);
     }
-    remember_edges(world, body);
 }
 
 /// Where the surface would end.
