@@ -148,6 +148,7 @@ struct Products final : solve::Operator<float> {
         return solve::bsr3_kernels<float>(best_isa()).multiply(p.row_start.data(), p.column.data(), A.value.data(), x, y, begin, end);
     }
     std::span<const float> diagonal() const override { return diagonal_blocks; }
+    double traffic() const override { return 0; }
 
     const solve::Bsr3<float>& A;
     AlignedVector<float> diagonal_blocks;
