@@ -254,7 +254,7 @@ bool touch_agrees(StepContext& ctx, Island& island, const Unsolved& may_leave, T
     if (check.raised) --rounds.raises;
     const bool changed = cap_colliders(ctx) || check.raised || capped;
     rounds.agreed = check.agrees && !changed;
-    if (rounds.searches > 0 && (check.nearly || (!island.alone() && rounds.solves <= kEarlySearches)) && contacts_are_stale(ctx, island)) {
+    if (rounds.searches > 0 && (island.alone() ? rounds.agreed : check.nearly || rounds.solves <= kEarlySearches) && contacts_are_stale(ctx, island)) {
         --rounds.searches;
         rounds.agreed = false;
         find_contacts(ctx, island.members);
