@@ -1,6 +1,7 @@
 // Same bits for any number of threads, for worlds side by side, and for readers who only look.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <thread>
 
 #include "support/bodies.h"
@@ -163,14 +164,16 @@ TEST(WorldDeterminism, TheStagesOfBodiesSideBySideAddUpToTheStep) {
     def.threads = 2;
     World world(def);
     for (int i = 0; i < 6; ++i) world.add_body({.shape = test::bar({16, 4, 4}), .translation_m = {0, double(i), 0}, .velocity_m_s = {0, 0, 0.1 * i}});
-    for (int n = 0; n < 3; ++n) {
+    double most = 0;  // of the step; in single ones the machine may have been elsewhere
+    for (int n = 0; n < 10; ++n) {
         const StepReport report = world.step();
         double sum = 0;
         for (const double ms : report.stage_ms) sum += ms;
         EXPECT_LE(sum, report.step_ms * 1.0001);
-        EXPECT_GT(sum, report.step_ms * 0.5);
+        most = std::max(most, sum / report.step_ms);
         EXPECT_GT(report.stage_ms[std::size_t(Stage::elements)], 0);
     }
+    EXPECT_GT(most, 0.5);
 }
 
 TEST(WorldDeterminism, TheHashSeesEveryBitOfMotion) {

@@ -120,9 +120,19 @@ double LinearSolver<Real>::square(Team& team, const Real* v) {
 }
 
 template <class Real>
-double LinearSolver<Real>::multiply(Team& team, std::span<const SystemPart<Real>> parts, std::span<const AppendedRow> appended, const Real* x, Real* y) {
+void LinearSolver<Real>::cut(std::span<const SystemPart<Real>> parts) {
     cut_rows(parts, [](const SystemPart<Real>& part) { return part.A->pattern->rows; }, pieces_);
     partial_.resize(std::max(partial_.size(), pieces_.size()));
+}
+
+template <class Real>
+double LinearSolver<Real>::multiply(Team& team, std::span<const SystemPart<Real>> parts, std::span<const AppendedRow> appended, const Real* x, Real* y) {
+    cut(parts);
+    return product(team, parts, appended, x, y);
+}
+
+template <class Real>
+double LinearSolver<Real>::product(Team& team, std::span<const SystemPart<Real>> parts, std::span<const AppendedRow> appended, const Real* x, Real* y) {
     for (const SystemPart<Real>& part : parts) {
         if (part.elements != nullptr) part.elements->begin_product(team, x + 4 * part.first_row);
     }
@@ -163,7 +173,7 @@ void LinearSolver<Real>::warm_start(Team& team, std::span<const SystemPart<Real>
         add_beside(team, parts, appended, z_.data(), q_.data());
         add_beside(team, parts, appended, d_.data(), p_.data());
     } else {
-        multiply(team, parts, appended, d_.data(), p_.data());
+        product(team, parts, appended, d_.data(), p_.data());
     }
     const double zero = square(team, r_.data());
     auto residual_square = [&](Real a, Real b) {
@@ -223,7 +233,7 @@ void LinearSolver<Real>::conjugate_gradients(Team& team, std::span<const SystemP
                 kernels_.turn(beta, z_.data(), p_.data(), begin, end);
             }
         });
-        const double curvature = multiply(team, parts, appended, p_.data(), q_.data());
+        const double curvature = product(team, parts, appended, p_.data(), q_.data());
         result.indefinite = def.only_definite && curvature < 0;
         if (!(curvature > 0)) return;  // p = 0 in this precision, or not a number
         const Real alpha = Real(rz / curvature);
@@ -263,6 +273,7 @@ LinearSolveResult LinearSolver<Real>::solve(Team& team, std::span<const SystemPa
     const bool definite = std::all_of(parts.begin(), parts.end(), [](const SystemPart<Real>& part) { return part.preconditioner->is_definite(); });
     result.indefinite = def.only_definite && !definite;
     if (result.indefinite) return result;
+    cut(parts);
     import(team, b, r_.data());
     if (joint_ != nullptr) {
         const double size = def.energy_tolerance > 0 ? std::sqrt(std::max(0.0, precondition(team, parts, r_.data(), z_.data()))) : 0;

@@ -77,6 +77,9 @@ public:
     double multiply(Team& team, std::span<const SystemPart<Real>> parts, std::span<const AppendedRow> appended, const Real* x, Real* y);
 
 private:
+    /// pieces_ of the parts, for product().
+    void cut(std::span<const SystemPart<Real>> parts);
+    double product(Team& team, std::span<const SystemPart<Real>> parts, std::span<const AppendedRow> appended, const Real* x, Real* y);
     void warm_start(Team& team, std::span<const SystemPart<Real>> parts, std::span<const AppendedRow> appended,
                     std::span<const std::span<const Vec3>> guesses, std::span<Vec3> x);
     void conjugate_gradients(Team& team, std::span<const SystemPart<Real>> parts, std::span<const AppendedRow> appended,

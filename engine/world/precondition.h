@@ -4,7 +4,7 @@
 namespace supple {
 
 /// Which preconditioner a body's solves use, and when its frozen parts are made anew. Decisions rest on sizes and iteration counts, never on
-/// the clock, and their memory is part of the state (BodyState::solver): a run that is continued decides alike.
+/// the clock, and their memory is part of the state (BodyState::solver): a run that is continued decides alike. (Only automatic_timed asks the clock: ChoiceTimer.)
 
 /// Where BodyState::solver keeps what.
 enum SolverMemory : std::size_t {

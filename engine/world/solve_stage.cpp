@@ -292,13 +292,14 @@ Solved solve_system(StepContext& ctx, Island& island, double floor, double toler
     for (bool again = false;; again = true) {
         append_touch(ctx, island);
         const auto missing = again ? &Workspace::residual : &Workspace::rhs;  // rhs stays that of v0: line searches ask for it
+        const bool touching = std::any_of(island.members.begin(), island.members.end(), [](const Member& member) { return !member.body->contacts.list.empty(); });
         for (Member& member : island.members) {
             Workspace& w = member.body->work;
-            if (!again) std::copy(w.b.begin(), w.b.end(), w.bare.begin());
-            w.*missing = w.bare;
+            if (!again && touching) w.bare = w.b;
+            w.*missing = again ? w.bare : w.b;
         }
         add_touch(ctx, island, true, missing);
-        begin_way(ctx, island);
+        if (touching) begin_way(ctx, island);
         const double norm = norm_of(island, [&](Body& body) {
             Workspace& w = body.work;
             return free_norm(ctx, body, w.*missing, [&](std::size_t i, const Vec3& free) { w.free_rhs[i] = free; });
