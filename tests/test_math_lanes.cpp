@@ -62,6 +62,26 @@ TEST(MathLanes, EigenvectorsWhereEigenvaluesMeet) {
     for (const double size : {1e-130, 1e130}) expect_eigenvectors(size * Mat3(Vec3(1, 2, -3).asDiagonal()));
 }
 
+/// What rounding leaves of a body at rest: the mean is then no nearer to the trace than the entries of the deviator are large.
+TEST(MathLanes, EigenvectorsAFewRoundingsFromTheIdentity) {
+    const double eps = std::numeric_limits<double>::epsilon();
+    for (int code = 0; code < 7 * 7 * 7 * 27; ++code) {
+        int rest = code;
+        const auto digit = [&](int base) {
+            const int d = rest % base;
+            rest /= base;
+            return d;
+        };
+        Mat3 S = Mat3::Identity();
+        for (int i = 0; i < 3; ++i) {
+            const int d = digit(7) - 3;
+            S(i, i) += d * (d < 0 ? eps / 2 : eps);
+        }
+        for (int i = 0; i < 3; ++i) S(i, (i + 1) % 3) = S((i + 1) % 3, i) = (digit(3) - 1) * eps / 2;
+        expect_eigenvectors(S);
+    }
+}
+
 /// |R - best| after near_turn, and whether it was sure.
 struct Near {
     double error;

@@ -1,7 +1,7 @@
 #pragma once
 /// What tetrahedra and hexahedra in a frame share: symmetric tensors, the twist stiffness of the polar factor, plastic flow. Kernel units only.
 #include "supple/fem/tet4_lanes.h"
-#include "supple/math/lane_svd.h"
+#include "supple/math/lane_eigen.h"
 
 namespace supple::fem {
 inline namespace SUPPLE_ISA {
@@ -30,9 +30,7 @@ inline Matrix twist_stiffness(const Matrix& G, Lanes mu, Lanes mean, bool projec
     Matrix S, Q;
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j) S.m[i][j] = half * (G.m[i][j] + G.m[j][i]);
-    // Sweeps leave what is diagonal as it is: the twist of a body at rest is zero to the last bit. With vectors of any direction across equal stretches static
-    // beams of hexahedra found no equilibrium (supple verify --row 13).
-    jacobi_eigen(S, Q);
+    symmetric_eigen(S, Q);
     Lanes t[3];
     for (int k = 0; k < 3; ++k) {
         Lanes sum = S.m[(k + 1) % 3][(k + 1) % 3] + S.m[(k + 2) % 3][(k + 2) % 3];

@@ -14,8 +14,15 @@ namespace {
 template <class T>
 inline void symmetric_eigen(M3<T>& S, M3<T>& V) {
     const T zero(0.0), one(1.0), two(2.0), three(3.0), third(1.0 / 3.0), tiny(1e-150);
-    const T mean = third * (S.m[0][0] + S.m[1][1] + S.m[2][2]);
-    const T b00 = S.m[0][0] - mean, b11 = S.m[1][1] - mean, b22 = S.m[2][2] - mean, b01 = S.m[0][1], b02 = S.m[0][2], b12 = S.m[1][2];
+    T mean = third * (S.m[0][0] + S.m[1][1] + S.m[2][2]);
+    T b00 = S.m[0][0] - mean, b11 = S.m[1][1] - mean, b22 = S.m[2][2] - mean;
+    const T b01 = S.m[0][1], b02 = S.m[0][2], b12 = S.m[1][2];
+    // Near a multiple of the identity B is of the size of the mean's rounding; only what has no trace has the roots below.
+    const T left = third * (b00 + b11 + b22);
+    b00 = b00 - left;
+    b11 = b11 - left;
+    b22 = b22 - left;
+    mean = mean + left;
     const T size = root(T(1.0 / 6.0) * (b00 * b00 + b11 * b11 + b22 * b22 + two * (b01 * b01 + b02 * b02 + b12 * b12)));
     const T inv = one / larger(size, tiny);
     T a00 = inv * b00, a11 = inv * b11, a22 = inv * b22, a01 = inv * b01, a02 = inv * b02, a12 = inv * b12;
