@@ -159,17 +159,23 @@ TEST(ContactBodies, ASwitchTurnsAPairOff) {
 }
 
 TEST(ContactBodies, AFastBodyDoesNotPassThroughAThinOne) {
-    for (const double speed : {3.0, 8.0}) {
-        World world(quick());
-        const BodyId slab = world.add_body({.shape = box({-0.1, 0, -0.1}, {0.1, 0.02, 0.1}, {8, 1, 8}), .material = soft(1e6)});
-        world.fix(slab, test::at_x(-0.1));
-        world.fix(slab, test::at_x(0.1));
-        const BodyId block = world.add_body(
-            {.shape = test::cube(2, 0.03), .material = soft(1e5), .density_kg_m3 = 300, .translation_m = {-0.013, 0.06, -0.012}, .velocity_m_s = Vec3(0, -speed, 0)});
-        for (int n = 0; n < 40; ++n) world.step();
-        EXPECT_GT(centre(world, block).y(), centre(world, slab).y()) << speed;
-        EXPECT_GT(lowest(world, block), -0.1) << speed;
-        EXPECT_FALSE(world.is_frozen(block) || world.is_frozen(slab)) << speed;
+    const auto slab_shape = box({-0.1, 0, -0.1}, {0.1, 0.02, 0.1}, {8, 1, 8}), block_shape = test::cube(2, 0.03);
+    test::Random random(31);
+    for (const double speed : {3.0, 5.0, 8.0, 12.0, 20.0}) {
+        for (int n = 0; n < 12; ++n) {
+            const Vec3 shift = random.vector(0.015);  // where in its step it meets the slab, and which of the slab's vertices it comes over
+            World world(quick());
+            const BodyId slab = world.add_body({.shape = slab_shape, .material = soft(1e6)});
+            world.fix(slab, test::at_x(-0.1));
+            world.fix(slab, test::at_x(0.1));
+            const BodyId block = world.add_body(
+                {.shape = block_shape, .material = soft(1e5), .density_kg_m3 = 300, .translation_m = Vec3(-0.013, 0.06, -0.012) + shift, .velocity_m_s = Vec3(0, -speed, 0)});
+            for (int k = 0; k < 20; ++k) world.step();
+            SCOPED_TRACE(testing::Message() << speed << " m/s, shifted by " << shift.transpose());
+            EXPECT_GT(centre(world, block).y(), centre(world, slab).y());
+            EXPECT_GT(lowest(world, block), -0.1);
+            EXPECT_FALSE(world.is_frozen(block) || world.is_frozen(slab));
+        }
     }
 }
 

@@ -150,6 +150,12 @@ bool neighbours(const Meeting& m, std::int32_t v, std::int32_t t) {
     return apart < kApart * m.surface().mean_edge_m;
 }
 
+bool came_from_behind(const Meeting& m, const Vec3& p0, std::int32_t t) {
+    const Triangle& c = m.triangle(t);
+    const Vec3& a = m.start(c[0]);
+    return (m.start(c[1]) - a).cross(m.start(c[2]) - a).dot(p0 - a) < 0;
+}
+
 Vec3 vertex_normal(const Meeting& m, std::int32_t v) {
     const ContactSurface& own = *m.body.contacts.surface;
     Vec3 sum = Vec3::Zero();
@@ -184,8 +190,9 @@ void look_at_vertex(Meeting& m, std::int32_t v) {
         const bool faces = against <= -kFacing;
         if (m.self && (!faces || neighbours(m, v, t))) return;
         const Vec3 way = p1 - p0 - (m.end(c[0]) + m.end(c[1]) + m.end(c[2]) - m.start(c[0]) - m.start(c[1]) - m.start(c[2])) / 3;
+        const bool fast = way.squaredNorm() > kFollow * kFollow * m.margin_m * m.margin_m;
         // What slides along a face comes through the side of an edge, by the hair that it lies too deep: only what faces it stops it.
-        if (faces && (m.self || way.squaredNorm() > kFollow * kFollow * m.margin_m * m.margin_m) && m.surface().tree.box(t).overlaps(segment)) {
+        if (faces && (m.self || fast) && m.surface().tree.box(t).overlaps(segment)) {
             const auto through = crossing(m, p0, p1, t);
             if (through && (!crossed || through->time < crossed->time)) crossed = through;
         }
@@ -201,7 +208,8 @@ void look_at_vertex(Meeting& m, std::int32_t v) {
             nearest_m = at.distance;
             nearest = here;
         }
-        if (!faces) return;
+        // The far side of a body that has come over the vertex would push it on through, and the body with it.
+        if (!faces || (fast && !pressed && came_from_behind(m, p0, t))) return;
         if (at.distance < facing_m - same || (at.distance < facing_m + same && against < facing_dot)) {
             facing_m = at.distance;
             facing_dot = against;

@@ -14,6 +14,7 @@ using solve::kRowChunk;
 
 constexpr double kWorstContacts = 0.1;  // of their force: what contacts may disagree in without a flag
 constexpr int kEarlySearches = 2;       // solves: the first ones go so far that other contacts are looked for at once
+constexpr int kSettling = 4;            // solves that must be left: what is found anew may start open, and the next solve falls through it
 
 /// How often a system may still be solved, contacts looked for anew, and deep ones made stiffer.
 struct TouchRounds {
@@ -246,6 +247,7 @@ namespace {
 bool touch_agrees(StepContext& ctx, Island& island, const Unsolved& may_leave, TouchRounds& rounds) {
     const bool last = ++rounds.solves >= ctx.world.def.solver.contact_iterations;
     const bool capped = cap_drags(ctx, island), at_end = last && !capped;
+    const bool time_to_settle = rounds.solves + kSettling <= ctx.world.def.solver.contact_iterations;
     const ContactCheck check = check_contacts(ctx, island, may_leave, rounds.raises > 0 && !at_end);
     if (at_end) {  // the forces stay those that the solution was found with
         if (check.error > kWorstContacts) ctx.report.flags |= StepFlag::contact_cap;
@@ -254,7 +256,8 @@ bool touch_agrees(StepContext& ctx, Island& island, const Unsolved& may_leave, T
     if (check.raised) --rounds.raises;
     const bool changed = cap_colliders(ctx) || check.raised || capped;
     rounds.agreed = check.agrees && !changed;
-    if (rounds.searches > 0 && (island.alone() ? rounds.agreed : check.nearly || rounds.solves <= kEarlySearches) && contacts_are_stale(ctx, island)) {
+    const bool search = island.alone() ? rounds.agreed : time_to_settle && (check.nearly || rounds.solves <= kEarlySearches);
+    if (rounds.searches > 0 && search && contacts_are_stale(ctx, island)) {
         --rounds.searches;
         rounds.agreed = false;
         find_contacts(ctx, island.members);
