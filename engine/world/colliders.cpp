@@ -208,7 +208,7 @@ void end_colliders(StepContext& ctx) {
     for (const std::unique_ptr<Scratch>& aside : world.aside) ctx.report.contact_bytes += aside->contact_bytes();
     for (const std::uint32_t slot : world.order) {
         const Body& body = *world.slots[slot].body;
-        ctx.report.contact_bytes += (body.contacts.list.capacity() + body.contacts.edges.capacity()) * sizeof(Contact) + body.contacts.report.capacity() * sizeof(ContactPoint) +
+        ctx.report.contact_bytes += (body.contacts.list.capacity() + body.contacts.before.capacity() + body.contacts.edges.capacity()) * sizeof(Contact) + body.contacts.report.capacity() * sizeof(ContactPoint) +
                                     body.state.contacts.capacity() * sizeof(ContactMemory);
     }
     for (const Collider& c : world.colliders) ctx.report.contact_bytes += c.row.capacity() * sizeof(std::int32_t) + c.block.capacity() * sizeof(solve::Mat36);

@@ -113,6 +113,14 @@ void set_model(Contact& c, const Vec3& z) {
     c.slip = p.slip;
 }
 
+/// A contact that is open, but shall press: it does from where it touches, and pulls here. Left open it would hold nothing in the next solve, whose full step would go far through it.
+void expect(Contact& c, const Vec3& z) {
+    c.z_ref = z - c.normal.dot(c.s_zero + z) * c.normal;
+    c.f_ref = Vec3::Zero();
+    c.K = c.stiffness * c.boost * c.normal * c.normal.transpose();
+    c.closed = true;
+}
+
 }  // namespace
 
 void move_contacts(StepContext& ctx, Island& island) {
@@ -135,6 +143,7 @@ void place_contacts(StepContext& ctx, Body& body) {
         const Vec3 z = shift(ctx, body, c);
         c.s_zero = c.z_ref - z;
         set_model(c, z);
+        if (!c.closed && c.expected) expect(c, z);
     }
 }
 
@@ -313,10 +322,14 @@ void go_back(Island& island, double part) {
     }
 }
 
-void model_contacts(StepContext& ctx, Island& island, double part) {
+void model_contacts(StepContext& ctx, Island& island, double part, bool again) {
     for_contacts(island, [&](const Body& body, Contact& c) {
         const Vec3 z = shift(ctx, body, c);
-        set_model(c, part < 1 ? Vec3(c.z_from + part * (z - c.z_from)) : z);
+        if (part == 1) return set_model(c, z);
+        const bool shuts = c.normal.dot(c.s_zero + z) < 0;
+        const Vec3 there = c.z_from + part * (z - c.z_from);
+        set_model(c, there);
+        if (again && !c.closed && shuts) expect(c, there);  // farther along the way it would
     });
 }
 

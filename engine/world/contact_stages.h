@@ -12,8 +12,9 @@ void begin_colliders(StepContext& ctx);
 void end_colliders(StepContext& ctx);
 
 /// The contacts of bodies around the velocity v0 + dv that their solve has reached, with colliders and with one another: what touches, what may touch, and the
-/// model of each.
-void find_contacts(StepContext& ctx, std::span<Member> members);
+/// model of each. Those that an earlier search of this step found keep what the step has made of them (`again`): their stiffness, and that they press;
+/// others start from the last step.
+void find_contacts(StepContext& ctx, std::span<Member> members, bool again);
 /// Those of a body with another whose box its own box meets, or with itself, where both surfaces are fitted (ContactSurface::fit). Writes to the body's contacts alone.
 void find_body_contacts(StepContext& ctx, Member& member, Member& other);
 /// Those of its sharp edges with the other's, to ContactSet::edges of the body alone; once for two bodies, after what find_body_contacts() finds on both sides.
@@ -69,8 +70,9 @@ void begin_way(StepContext& ctx, Island& island);
 double part_of_way(StepContext& ctx, Island& island);
 /// Goes back to this part of the way (begin_way()).
 void go_back(Island& island, double part);
-/// The models of the contacts at this part of the way.
-void model_contacts(StepContext& ctx, Island& island, double part);
+/// The models of the contacts at this part of the way; what is open there, but would shut farther along it, presses from where it touches, if another solve (`again`) may find it
+/// pulling.
+void model_contacts(StepContext& ctx, Island& island, double part, bool again);
 /// True if the solution has led so far from where the contacts were looked for that there may be others.
 bool contacts_are_stale(StepContext& ctx, const Island& island);
 

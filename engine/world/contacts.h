@@ -63,6 +63,7 @@ struct Contact {
     Vec3 z_from = Vec3::Zero(), way = Vec3::Zero();  ///< z where the solve at work began, and how far it has gone from there
     Mat3 K = Mat3::Zero();
     bool closed = false;
+    bool expected = false;            ///< it pressed before the last search: until a solve says otherwise it does
     Vec3 slip = Vec3::Zero();         ///< direction of its friction where it slips, else zero
 
     Vec3 force(const Vec3& z) const { return f_ref - K * (z - z_ref); }
@@ -109,6 +110,7 @@ struct ContactSet {
     std::unique_ptr<ContactSurface> surface;
     std::vector<Contact> list;           ///< ascending by collider and vertices
     std::vector<Contact> edges;          ///< scratch of find_contacts(): of edges with edges, before they join the list
+    std::vector<Contact> before;         ///< scratch of find_contacts(): those that an earlier search of the step found
     std::vector<ContactPoint> report;
 };
 

@@ -285,6 +285,18 @@ void sort_and_remember(const World::Impl& world, Body& body) {
     }
 }
 
+/// What contacts came to earlier in this step. The stiffness was raised because they were too deep, and forgotten they would be so again; what pressed along another normal will press along this one.
+void keep_step(const std::vector<Contact>& before, std::vector<Contact>& list) {
+    const auto of = [](const Contact& c) { return std::tuple(c.collider, c.other_slot, c.attachment, c.key()); };
+    auto b = before.begin();
+    for (Contact& c : list) {
+        while (b != before.end() && of(*b) < of(c)) ++b;
+        if (b == before.end() || of(*b) != of(c)) continue;
+        c.boost = b->boost;
+        c.expected = b->closed;
+    }
+}
+
 /// Where the surface would end.
 void follow_surface(Body& body) {
     ContactSurface& surface = *body.contacts.surface;
@@ -368,7 +380,7 @@ double weight_against(const StepContext& ctx, const Body& body, std::int32_t v) 
     return inertia + body.stiffness_trace[i] / 3;
 }
 
-void find_contacts(StepContext& ctx, std::span<Member> members) {
+void find_contacts(StepContext& ctx, std::span<Member> members, bool again) {
     World::Impl& world = ctx.world;
     Scratch& scratch = ctx.scratch;
     refer_colliders(ctx);
@@ -381,8 +393,10 @@ void find_contacts(StepContext& ctx, std::span<Member> members) {
     // From here on each member writes to what is its own alone.
     ctx.team.for_chunks(members.size(), [&](std::size_t i) {
         Body& body = *members[i].body;
+        body.contacts.list.swap(body.contacts.before);
         body.contacts.list.clear();
         body.contacts.edges.clear();
+        if (!again) body.contacts.before.clear();
         if (body.contacts.surface && body.contacts.surface->needed) body.contacts.surface->fit(body.data().boundary.triangles, body.state.x);
     });
     const auto for_near = [&](std::size_t i, auto&& visit) {
@@ -406,6 +420,7 @@ void find_contacts(StepContext& ctx, std::span<Member> members) {
         list.insert(list.end(), body.contacts.edges.begin(), body.contacts.edges.end());
         if (list.empty()) return;
         sort_and_remember(world, body);
+        keep_step(body.contacts.before, list);
         place_contacts(ctx, body);
     });
 }

@@ -232,7 +232,7 @@ void begin_touch(StepContext& ctx, std::span<Member> members) {
         std::fill(member.body->work.dv.begin(), member.body->work.dv.end(), Vec3::Zero());
     }
     rest_colliders(ctx);
-    find_contacts(ctx, members);
+    find_contacts(ctx, members, false);
 }
 
 void drop_drags(World::Impl& world, BodyId id) {
@@ -260,12 +260,12 @@ bool touch_agrees(StepContext& ctx, Island& island, const Unsolved& may_leave, T
     if (rounds.searches > 0 && search && contacts_are_stale(ctx, island)) {
         --rounds.searches;
         rounds.agreed = false;
-        find_contacts(ctx, island.members);
+        find_contacts(ctx, island.members, true);
         return false;
     }
     if (rounds.agreed) return rounds.loose == 1;  // if not, on with the same models
     const double part = changed ? 1 : part_of_way(ctx, island);
-    model_contacts(ctx, island, part);
+    model_contacts(ctx, island, part, rounds.solves + 1 < ctx.world.def.solver.contact_iterations);
     if (part < 1) go_back(island, part);
     return false;
 }
@@ -284,7 +284,7 @@ Solved solve_system(StepContext& ctx, Island& island, double floor, double toler
     const SolverDef& def = ctx.world.def.solver;
     for (Member& member : island.members) std::fill(member.body->work.dv.begin(), member.body->work.dv.end(), Vec3::Zero());
     rest_colliders(ctx);
-    if (!first || is_static(ctx)) find_contacts(ctx, island.members);  // begin_touch did, and v0 stands there still
+    if (!first || is_static(ctx)) find_contacts(ctx, island.members, !first);  // begin_touch did, and v0 stands there still
     TouchRounds rounds;
     solve::LinearSolveDef solve_def;
     solve_def.max_iterations = def.cg_max_iterations;
