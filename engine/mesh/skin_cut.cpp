@@ -8,14 +8,14 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <map>
-#include <memory>
 #include <numeric>
 #include <set>
 
 #include "supple/base/disjoint_sets.h"
+#include "supple/mesh/element_neighbours.h"
 #include "supple/mesh/moved_lips.h"
+#include "supple/mesh/outside_skin.h"
 #include "supple/mesh/surface_crossing.h"
-#include "supple/mesh/triangle_tree.h"
 
 namespace supple::mesh {
 
@@ -24,67 +24,10 @@ namespace {
 constexpr double kTolerance = 1e-8;   // of the mean edge of the opened faces: nearer points are one
 constexpr double kWallHeight = 2;     // in those edges: skins are cut that lie so far outside
 constexpr double kLeastWall = 0.02;   // in those edges, where the skin lies on the mesh
+constexpr int kSameSide = 3;          // vertices between elements on one side of a cut
 constexpr double kFarthest = -1.5;    // least weight by which a point is still bound to an element that it does not lie in
 
 using Edge = std::pair<std::int32_t, std::int32_t>;
-
-/// How far an element's shape functions reach to a point: the least weight, positive inside.
-double least_weight(const VolumeMesh& mesh, std::int32_t element, const Vec3& x) {
-    std::array<double, Embedding::kMaxCorners> w{};
-    shape_weights(mesh, element, x, w);
-    return *std::min_element(w.begin(), w.begin() + std::ptrdiff_t(element_vertices(mesh, std::size_t(element)).size()));
-}
-
-/// How elements of a mesh hang together across few vertices: on one side of a cut, or around its end.
-class Neighbours {
-public:
-    explicit Neighbours(const VolumeMesh& mesh) : mesh_(mesh) {}
-
-    bool joined(std::int32_t a, std::int32_t b) { return distance(a, b, 3) <= 3; }
-
-    /// Vertices on the shortest way from one to the other; most + 1 where it takes more.
-    int distance(std::int32_t a, std::int32_t b, int most) {
-        std::set<std::int32_t> seen{a};
-        std::vector<std::int32_t> front{a};
-        for (int hop = 0; hop <= most; ++hop) {
-            if (seen.contains(b)) return hop;
-            if (hop < most) advance(seen, front);
-        }
-        return most + 1;
-    }
-
-    /// The element that a rest point lies in or is least outside of, among those that hang together with one across few vertices.
-    std::int32_t nearest(std::int32_t element, const Vec3& x) {
-        std::set<std::int32_t> seen{element};
-        std::vector<std::int32_t> front{element};
-        for (int hop = 0; hop < 2; ++hop) advance(seen, front);
-        std::int32_t best = element;
-        double most = least_weight(mesh_, element, x);
-        for (const std::int32_t e : seen) {
-            const double least = least_weight(mesh_, e, x);
-            if (least > most) best = e, most = least;
-        }
-        return best;
-    }
-
-private:
-    void advance(std::set<std::int32_t>& seen, std::vector<std::int32_t>& front) {
-        if (around_.empty()) {
-            around_.resize(mesh_.vertices.size());
-            for (std::size_t e = 0; e < mesh_.element_count(); ++e)
-                for (const std::int32_t v : element_vertices(mesh_, e)) around_[std::size_t(v)].push_back(std::int32_t(e));
-        }
-        std::vector<std::int32_t> next;
-        for (const std::int32_t e : front)
-            for (const std::int32_t v : element_vertices(mesh_, std::size_t(e)))
-                for (const std::int32_t n : around_[std::size_t(v)])
-                    if (seen.insert(n).second) next.push_back(n);
-        front = std::move(next);
-    }
-
-    const VolumeMesh& mesh_;
-    std::vector<std::vector<std::int32_t>> around_;
-};
 
 /// The skin's triangles that an opened surface may meet: those of elements that the edit changed, or that have a vertex of such.
 std::vector<std::int32_t> triangles_near(const TriangleMesh& skin, std::span<const std::int32_t> element, const VolumeMesh& before, const TopologyDelta& delta) {
@@ -127,41 +70,6 @@ bool lies_on_lips(const Embedding& embedding, std::size_t p, const MovedLips& mo
         if (std::abs(embedding.weights()[k]) > 1e-6 && !moved.on_lip[std::size_t(embedding.vertices()[k])]) return false;
     return true;
 }
-
-/// How far outside of a mesh a skin lies, place by place: higher walls would meet other parts of it.
-class OutsideSkin {
-public:
-    OutsideSkin(const TriangleMesh& skin, std::span<const std::int32_t> triangles, const Embedding& embedding, const VolumeMesh& mesh) {
-        std::unique_ptr<TriangleTree> boundary;
-        const auto outside = [&](std::int32_t p) {
-            const auto w = embedding.weights().subspan(std::size_t(p) * embedding.corners(), embedding.corners());
-            return *std::min_element(w.begin(), w.end()) < -1e-9;
-        };
-        for (const std::int32_t t : triangles) {
-            const Triangle& corner = skin.triangles[std::size_t(t)];
-            const auto x = [&](std::size_t k) -> const Vec3& { return skin.vertices[std::size_t(corner[k % 3])]; };
-            if (std::none_of(corner.begin(), corner.end(), outside)) continue;
-            if (!boundary) boundary = std::make_unique<TriangleTree>(TriangleMesh{mesh.vertices, extract_boundary(mesh).triangles});
-            const Vec3 middle = (x(0) + x(1) + x(2)) / 3;
-            double far = 0;
-            for (const Vec3& at : {x(0), x(1), x(2), middle}) far = std::max(far, boundary->nearest(at).distance);
-            samples_.push_back({middle, 1.5 * far, std::max({(x(0) - middle).norm(), (x(1) - middle).norm(), (x(2) - middle).norm()})});
-        }
-    }
-    double reach(const Vec3& at) const {
-        double out = 0;
-        for (const Sample& s : samples_)
-            if (s.reach > out && (s.middle - at).norm() < 2 * (s.reach + s.radius)) out = s.reach;
-        return out;
-    }
-
-private:
-    struct Sample {
-        Vec3 middle;
-        double reach, radius;
-    };
-    std::vector<Sample> samples_;
-};
 
 class SkinCutter {
 public:
@@ -491,7 +399,7 @@ private:
                 for (const std::int32_t p : pieces_[i].corner) {
                     if (parting_[std::size_t(p)] || std::size_t(p) >= was_.size() || taken_.contains(p)) continue;
                     const std::int32_t mine = hosts_.host({&was_[std::size_t(p)], 1}, rest(p));
-                    if (mine < 0 || mine == side[i] || least_weight(edit_.mesh, mine, rest(p)) > -1e-9 || least_weight(edit_.mesh, side[i], rest(p)) < kFarthest || neighbours_.joined(side[i], mine)) continue;
+                    if (mine < 0 || mine == side[i] || least_weight(edit_.mesh, mine, rest(p)) > -1e-9 || least_weight(edit_.mesh, side[i], rest(p)) < kFarthest || neighbours_.distance(side[i], mine, kSameSide) <= kSameSide) continue;
                     taken_[p] = side[i];
                     if (pieces_at.empty())
                         for (std::size_t j = 0; j < skin_pieces_; ++j)
@@ -571,16 +479,11 @@ private:
     void part_webs(TriangleMesh& surface, std::vector<std::int32_t>& element) {
         constexpr int kDetour = 3;
         const std::vector<std::int32_t> piece = find_pieces(edit_.mesh).of_element;
-        struct Ball {
-            Vec3 centre = Vec3::Zero();
-            double radius = 0;
-        };
         const auto ball = [&](std::int32_t e) {
             const auto ids = element_vertices(edit_.mesh, std::size_t(e));
-            const auto x = [&](std::int32_t v) -> const Vec3& { return edit_.mesh.vertices[std::size_t(v)]; };
-            Ball out;
-            for (const std::int32_t v : ids) out.centre += x(v) / double(ids.size());
-            for (const std::int32_t v : ids) out.radius = std::max(out.radius, (x(v) - out.centre).norm());
+            std::pair<Vec3, double> out(Vec3::Zero(), 0);
+            for (const std::int32_t v : ids) out.first += edit_.mesh.vertices[std::size_t(v)] / double(ids.size());
+            for (const std::int32_t v : ids) out.second = std::max(out.second, (edit_.mesh.vertices[std::size_t(v)] - out.first).norm());
             return out;
         };
         std::map<Edge, bool> known;
@@ -589,8 +492,9 @@ private:
             if (a == b || share_vertex(a, b)) return false;
             const auto [at, is_new] = known.try_emplace(Edge(std::minmax(a, b)), false);
             if (is_new) {
-                const Ball of_a = ball(a), of_b = ball(b);
-                const int straight = 1 + int((of_a.centre - of_b.centre).norm() / (0.5 * (of_a.radius + of_b.radius)));
+                const auto [x, r] = ball(a);
+                const auto [y, q] = ball(b);
+                const int straight = 1 + int((x - y).norm() / (0.5 * (r + q)));
                 at->second = neighbours_.distance(a, b, straight + kDetour) > straight + kDetour;
             }
             return at->second;
@@ -647,7 +551,7 @@ private:
     std::span<const std::int32_t> was_;
     const MeshEdit& edit_;
     Hosts hosts_;
-    Neighbours neighbours_;
+    ElementNeighbours neighbours_;
     OpenedSurface opened_;
     CrossedSurfaces crossed_;
     std::vector<SkinPiece> pieces_;
