@@ -90,6 +90,21 @@ std::span<const double> FrameBuilder::on_surface(std::size_t b, const Skin* skin
     return on_skin_[b];
 }
 
+/// What edits laid open, of the surface that is drawn.
+std::span<const char> FrameBuilder::inner_of(BodyId body, const Skin* skin) {
+    const World& world = show_->world();
+    Inner& known = inner_[(std::uint64_t(body.generation) << 32) | body.index];
+    const std::uint64_t edits = world.edit_count(body);
+    if (known.edits == edits && known.skin == skin) return known.of_triangle;
+    known = {edits, skin, {}};
+    if (skin == nullptr) {
+        known.of_triangle = world.inner_boundary(body);
+    } else if (skin->inner_triangles() > 0) {
+        for (std::size_t t = 0; t < skin->surface().triangles.size(); ++t) known.of_triangle.push_back(char(skin->is_inner(t)));
+    }
+    return known.of_triangle;
+}
+
 /// The skin where there is one: what the simulation moves, not what it computes on. A wireframe shows that instead.
 SurfaceView FrameBuilder::make_surface(std::size_t b, const Skin* skin) {
     const BodyTemplate& shape = show_->world().shape(show_->world().bodies()[b]);
@@ -105,6 +120,7 @@ SurfaceView FrameBuilder::make_surface(std::size_t b, const Skin* skin) {
         surface.triangles = shape.boundary().triangles;
         surface.reference_positions = shape.mesh().vertices;
     }
+    surface.inner = inner_of(show_->world().bodies()[b], skin);
     if (options_.wireframe) surface.edges = shape.boundary().edges;
     if (options_.opacity) surface.opacity = *options_.opacity;
     return surface;

@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -54,9 +55,16 @@ private:
     StressRange range_;
     FrameView view_;
     std::vector<std::vector<Vec3>> positions_, centres_, skin_;
+    struct Inner {
+        std::uint64_t edits = 0;
+        const void* skin = nullptr;
+        std::vector<char> of_triangle;
+    };
+    std::map<std::uint64_t, Inner> inner_;  ///< by body
     std::vector<std::vector<double>> flat_, stiffness_, on_skin_;  ///< per body: of triangles, of vertices, of skin vertices
 
     void add_stress(std::size_t b, const Skin* skin, SurfaceView& surface, std::vector<double>& stresses);
+    std::span<const char> inner_of(BodyId body, const Skin* skin);
     SurfaceView make_surface(std::size_t b, const Skin* skin);
     /// A number per vertex of the mesh on the surface that is drawn.
     std::span<const double> on_surface(std::size_t b, const Skin* skin, std::span<const double> per_vertex);

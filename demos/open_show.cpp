@@ -2,6 +2,8 @@
 
 #include "command.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <vector>
@@ -21,6 +23,7 @@ class SceneShow : public Show {
 public:
     SceneShow(const io::Scene& scene, std::string name)
         : world_(io::build_world(scene)), edits_(io::make_edits(scene, world_)), probes_(io::make_probes(scene, world_)), name_(std::move(name)) {
+        for (const io::SceneBody& body : scene.bodies) colors_.push_back({body.color, body.inner_color});
         if (scene.camera) {
             camera_.eye_m = scene.camera->eye_m;
             camera_.target_m = scene.camera->target_m;
@@ -38,6 +41,10 @@ public:
     void let_go() override { edits_on_ = false; }
     void decorate(FrameView& view) override {
         view.camera = camera_;
+        for (std::size_t b = 0; b < std::min(colors_.size(), view.surfaces.size()); ++b) {
+            if (!view.surfaces[b].color) view.surfaces[b].color = colors_[b][0];
+            view.surfaces[b].inner_color = colors_[b][1];
+        }
         if (world_.time_s() < 3) view.caption = name_;
     }
     std::vector<Probe> make_probes() override { return probes_; }
@@ -49,6 +56,7 @@ private:
     bool edits_on_ = true;
     std::vector<Probe> probes_;
     std::string name_;
+    std::vector<std::array<std::optional<std::array<float, 3>>, 2>> colors_;  ///< [body] outside and inside
     Camera camera_;
 };
 

@@ -1,5 +1,5 @@
 // Surfaces. One program for each look: LOOK is 0 tissue, 1 rubber, 2 gel, 3 metal, 4 paint; MAPPED colours by the scalar, GRAIN adds the
-// texture of tissue. Specular: GGX with Smith's height-correlated visibility (E. Heitz, JCGT 3(2), 2014) and Schlick's Fresnel term.
+// texture of tissue, INNER tells faces that a cut laid open. Specular: GGX with Smith's height-correlated visibility (E. Heitz, JCGT 3(2), 2014) and Schlick's Fresnel term.
 #include "frame.glsl"
 #include "backdrop.glsl"
 #include "shadow.glsl"
@@ -9,6 +9,9 @@ in vec3 world_normal;
 in vec2 value_openness;
 in vec3 base_color;
 in vec3 grain_position;
+#ifdef INNER
+in float cut_open;  // 1 on faces that a cut laid open
+#endif
 
 uniform sampler2D color_table;
 uniform vec2 value_range;   // low, 1 / (high - low)
@@ -106,6 +109,10 @@ vec3 shade(vec3 n, vec3 v, float light, float openness) {
 #else            // paint: tools, arrows
     vec3 bumped = n;
     albedo *= 0.78; alpha = 0.16; wrap = vec3(0.15);
+#endif
+#if defined(INNER) && LOOK == 0  // no capsule: a cut mirrors the opposite lip, not the sky
+    coat *= 1.0 - 0.75 * cut_open;
+    alpha = mix(alpha, 0.5, cut_open);
 #endif
     vec3 l = key_direction.xyz;
     vec3 soft_light = mix(vec3(light), vec3(sqrt(light), light, light), saturate(wrap.r * 1.4));  // shadows on flesh have red edges

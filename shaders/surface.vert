@@ -5,6 +5,11 @@ layout(location = 1) in vec3 normal;
 layout(location = 2) in vec2 scalar_openness;
 layout(location = 3) in vec3 color;
 layout(location = 4) in vec3 reference;
+#ifdef INNER
+layout(location = 5) in float inner;
+uniform vec3 inner_color;
+out float cut_open;
+#endif
 
 out vec3 world_position;
 out vec3 world_normal;
@@ -21,6 +26,10 @@ void main() {
         value_openness.y *= 1.0 - 0.65 * (0.5 - 0.5 * normal.y) * exp(-above * 9.0 / ground.z);
     }
     base_color = color;
+#ifdef INNER
+    cut_open = inner;
+    base_color = mix(color, inner_color, inner);
+#endif
     grain_position = reference;
     gl_ClipDistance[0] = position.y - ground.x;  // only enabled where there is a ground
     gl_Position = view_projection * vec4(position, 1.0);

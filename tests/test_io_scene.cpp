@@ -32,6 +32,15 @@ std::vector<double> young_of(const Scene& scene) {
     return {young.begin(), young.end()};
 }
 
+TEST(IoScene, ABodyMayHaveColours) {
+    const Scene scene = parse(one_body(R"("color": [0.1, 0.5, 1], "inner_color": [1, 0, 0.25])"));
+    EXPECT_EQ(body_of(scene).color, (std::array<float, 3>{0.1f, 0.5f, 1.0f}));
+    EXPECT_EQ(body_of(scene).inner_color, (std::array<float, 3>{1.0f, 0.0f, 0.25f}));
+    EXPECT_FALSE(body_of(parse(one_body(""))).inner_color.has_value());
+    expect_error(ErrorCode::parse, "s.json:/bodies/0/inner_color", {"three numbers from 0 to 1"}, [] { parse(one_body(R"("inner_color": [1, 0])")); });
+    expect_error(ErrorCode::parse, "s.json:/bodies/0/color/2", {"1.5"}, [] { parse(one_body(R"("color": [1, 0, 1.5])")); });
+}
+
 TEST(IoScene, ReadsEveryKey) {
     const Scene scene = parse(R"({
       // a comment

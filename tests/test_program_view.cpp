@@ -263,6 +263,20 @@ TEST_F(View, TheScalpelCutsAlongADragAndUndoTakesItBack) {
     EXPECT_GT(compare(crop(picture("preview.png"), 0.48, 0.1, 1, 0.7), crop(picture("cut.png"), 0.48, 0.1, 1, 0.7)).fraction_above_16, 0.01);
 }
 
+TEST_F(View, TheScalpelTakesPiecesBelowItsBoundAway) {
+    NEEDS_SCREEN();
+    write_bar();
+    for (const bool bound : {false, true}) {  // a tenth of the bar at most: its end
+        const Result r = view("bar.json", std::string("key 4\nwait 10\nprint\nslide blade depth 0.9\nclick part pieces\n") + (bound ? "slide smallest piece 1\n" : "") +
+                                              "move 0.75 0.15\npress left\nmove 0.75 0.95 20\nrelease left\nprint\nkey u\nwait 1\nkey u\nwait 1\nprint\n");
+        ASSERT_EQ(r.states.size(), 3u) << r.out << r.err;
+        EXPECT_EQ(r.states[1]["pieces"], bound ? 1 : 2);
+        EXPECT_EQ(r.states[1]["edits"], bound ? 2 : 1);
+        EXPECT_EQ(r.states[1]["bodies"], 1);
+        EXPECT_EQ(r.states[2]["elements"], r.states[0]["elements"]) << "undone";
+    }
+}
+
 TEST_F(View, TheBurrTakesElementsAwayAndEscapeCancelsAScalpel) {
     NEEDS_SCREEN();
     write_bar();

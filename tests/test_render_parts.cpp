@@ -95,6 +95,18 @@ TEST(RenderNormals, ACubeIsSmoothWhereTheAngleAllowsIt) {
     }
 }
 
+TEST(RenderNormals, WhatACutLaidOpenIsPartedFromTheRest) {
+    const Mesh m = cube();
+    std::vector<char> inner(m.t.size(), 0);
+    inner[0] = inner[1] = 1;  // one side
+    const auto topology = render::split_at_creases(m.x, m.t, 180, inner);
+    EXPECT_EQ(topology.vertex_of.size(), 12u);
+    std::size_t crisp = 0;
+    for (const auto& e : topology.edges) crisp += e.crisp;
+    EXPECT_EQ(crisp, 4u);
+    EXPECT_TRUE(topology.closed);
+}
+
 TEST(RenderNormals, ASphereIsSmoothAndExact) {
     const Mesh m = sphere(17, 29);
     const auto topology = render::split_at_creases(m.x, m.t, 40);

@@ -324,6 +324,48 @@ TEST(RenderPicture, EveryLookAndTheEmptySceneAreDrawn) {
     EXPECT_NO_THROW(renderer.draw(view));
 }
 
+TEST(RenderPicture, WhatACutLaidOpenHasAColourOfItsOwn) {
+    NEEDS_CONTEXT();
+    // A board that faces the eye, its right half laid open.
+    Body board;
+    for (const double x : {-1.0, 0.0, 1.0})
+        for (const double y : {-0.6, 0.6}) board.x.push_back(Vec3(x, y, 0));
+    board.triangles = {{0, 2, 1}, {1, 2, 3}, {2, 4, 3}, {3, 4, 5}};
+    board.rest = board.x;
+    const std::vector<char> inner{0, 0, 1, 1};
+    FrameView view;
+    view.surfaces.push_back(board.view());
+    view.camera.eye_m = Vec3(0, 0, 3);
+    view.camera.target_m = Vec3::Zero();
+    Renderer renderer({.width = 160, .height = 90});
+    const auto halves = [&] {
+        renderer.draw(view);
+        const Image image = renderer.read_pixels();
+        std::array<std::array<double, 3>, 2> mean{};
+        for (int y = 35; y < 55; ++y)
+            for (int half = 0; half < 2; ++half)
+                for (int x = 0; x < 20; ++x)
+                    for (std::size_t c = 0; c < 3; ++c) mean[std::size_t(half)][c] += image.rgb[3 * std::size_t(y * 160 + (half == 0 ? 50 : 90) + x) + c] / 400.0;
+        return mean;
+    };
+    const auto whole = halves();
+    view.surfaces[0].inner = inner;
+    for (const Look look : {Look::tissue, Look::rubber}) {
+        view.surfaces[0].look = look;
+        const auto cut = halves();
+        const double left = cut[0][0] + cut[0][1] + cut[0][2], right = cut[1][0] + cut[1][1] + cut[1][2];
+        EXPECT_GT(right, 1.15 * left) << "brighter than outside, look " << int(look);
+        if (look != Look::tissue) continue;
+        EXPECT_GT(cut[1][0], cut[1][1] + 30) << "flesh is red";
+        for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(cut[0][c], whole[0][c], 3) << "the outside stays as it was";
+    }
+    view.surfaces[0].look = Look::tissue;
+    view.surfaces[0].inner_color = std::array<float, 3>{0.1f, 0.2f, 0.9f};
+    const auto blue = halves();
+    EXPECT_GT(blue[1][2], 2 * blue[1][0]);
+    EXPECT_GT(blue[0][0], blue[0][2]);
+}
+
 TEST(RenderPicture, ManyTrianglesAreDrawn) {
     NEEDS_CONTEXT();
     constexpr int n = 224;
@@ -361,6 +403,7 @@ TEST(RenderPicture, BadViewsAreErrorsThatNameTheField) {
     EXPECT_EQ(where([](FrameView&, Body& b) { b.triangles[2][1] = 999; }), "FrameView.surfaces[0].triangles");
     EXPECT_EQ(where([](FrameView& v, Body& b) { v.surfaces[0].scalar = std::span(b.stress).first(3); }), "FrameView.surfaces[0].scalar");
     EXPECT_EQ(where([](FrameView& v, Body& b) { v.surfaces[0].scalar = b.stress; }), "FrameView.scale");
+    EXPECT_EQ(where([](FrameView& v, Body&) { v.surfaces[0].inner = std::span("ab", 2); }), "FrameView.surfaces[0].inner");
     EXPECT_EQ(where([](FrameView& v, Body& b) { v.surfaces[0].edges = (b.edges[0][1] = -1, b.edges); }), "FrameView.surfaces[0].edges");
     EXPECT_EQ(where([](FrameView& v, Body&) { v.scale = ColorScale{.map = "jet"}; }), "ColorScale.map");
     EXPECT_EQ(where([](FrameView& v, Body&) { v.camera.eye_m = v.camera.target_m; }), "Camera.eye_m");

@@ -4,7 +4,9 @@
 #include "support/bodies.h"
 #include "support/edits.h"
 #include "supple/base/disjoint_sets.h"
+#include "supple/base/parallel.h"
 #include "supple/mesh/box_mesh.h"
+#include "supple/mesh/cook.h"
 #include "supple/mesh/mesh_grow.h"
 #include "supple/mesh/skin.h"
 #include "supple/mesh/surface.h"
@@ -198,6 +200,84 @@ TEST(TopologySkin, CutsOneAfterTheOtherAndErasuresKeepItClosed) {
         for (std::size_t e = 0; e < mesh.element_count(); ++e)
             if ((mesh.vertices[std::size_t(element_vertices(mesh, e)[0])] - Vec3(0.2, 0.1, 0.05)).norm() < 0.04) some.push_back(std::int32_t(e));
         look(remove_elements(mesh, some));
+    }
+}
+
+/// A round, wavy surface much finer than the tets that are cooked of it: it lies outside of them in places, and inside in others.
+mesh::TriangleMesh wavy_surface() {
+    const VolumeMesh cube = make_tet_box({.min_m = {-1, -1, -1}, .max_m = {1, 1, 1}, .cells = {26, 26, 26}});
+    mesh::TriangleMesh surface{cube.vertices, extract_boundary(cube).triangles};
+    for (Vec3& x : surface.vertices) {
+        x = x.cwiseAbs().maxCoeff() * x.normalized();
+        x = 0.1 * (1 + 0.13 * std::sin(7 * x.x() + 1) * std::cos(6 * x.y()) * std::sin(5 * x.z() + 0.5)) * Vec3(1.1 * x.x(), 0.8 * x.y(), 0.7 * x.z());
+    }
+    return weld(surface);
+}
+
+/// Triangles of a skin whose vertices belong to different pieces of the mesh.
+std::size_t straddling(const Skin& skin, const VolumeMesh& mesh) {
+    const Pieces pieces = find_pieces(mesh);
+    const auto elements = skin.embedding().elements();
+    std::size_t count = 0;
+    for (const Triangle& t : skin.surface().triangles) {
+        const auto piece = [&](std::size_t k) { return pieces.of_element[std::size_t(elements[std::size_t(t[k])])]; };
+        count += piece(0) != piece(1) || piece(1) != piece(2);
+    }
+    return count;
+}
+
+double least_weight(const Skin& skin) {
+    const auto w = skin.embedding().weights();
+    return *std::min_element(w.begin(), w.end());
+}
+
+TEST(TopologySkin, AFineSkinOfACookedMeshIsPartedCleanly) {
+    Team team(2);
+    const mesh::TriangleMesh surface = wavy_surface();
+    for (const std::size_t elements : {2000u, 5000u}) {
+        SCOPED_TRACE(elements);
+        const VolumeMesh cooked = cook(surface, {.elements = elements}, team);
+        const auto skin = Skin::build(cooked, surface);
+        ASSERT_LT(least_weight(*skin), -0.2) << "nothing of it lies outside";
+        const auto blade = [](double from, double to) {
+            const auto pose = [](double s) { return std::vector<Vec3>{{0.004 + 0.008 * s, 0.11 - 0.22 * s, -1}, {0.009 - 0.01 * s, 0.11 - 0.22 * s, 1}}; };
+            return swept_blade(pose(from), pose(to));
+        };
+        for (const int strides : {1, 6, 9}) {
+            SCOPED_TRACE(strides);
+            VolumeMesh mesh = cooked;
+            auto now = skin;
+            for (int k = 0; k < strides; ++k) {
+                MeshEdit edit = cut(mesh, mesh.vertices, blade(std::max(0.0, (k - 1.0) / strides), (k + 1.0) / strides));
+                now = now->follow(mesh, edit);
+                mesh = std::move(edit.mesh);
+                const mesh::SurfaceReport check = mesh::check_surface(now->surface());
+                // Where a stride begins, lines may have gaps: cracks are left along the cut, no webs across it.
+                EXPECT_LE(double(check.open_edges), strides == 1 ? 0 : 0.03 * 1.5 * double(now->surface().triangles.size())) << k;
+                EXPECT_EQ(straddling(*now, mesh), 0u) << k;
+                EXPECT_GT(least_weight(*now), -4) << k;
+            }
+            EXPECT_GE(find_pieces(mesh).volume_m3.size(), 2u);
+        }
+        // A ball goes along below the surface: what stays is bound to what is left.
+        VolumeMesh mesh = cooked;
+        auto now = skin;
+        for (int k = 0; k <= 6; ++k) {
+            const Vec3 at(0.01 + 0.005 * k, 0.075 - 0.004 * k, 0.01);
+            std::vector<std::int32_t> near;
+            for (std::size_t e = 0; e < mesh.element_count(); ++e) {
+                Vec3 centre = Vec3::Zero();
+                for (const std::int32_t v : element_vertices(mesh, e)) centre += 0.25 * mesh.vertices[std::size_t(v)];
+                if ((centre - at).norm() < 0.022) near.push_back(std::int32_t(e));
+            }
+            if (near.empty()) continue;
+            MeshEdit edit = remove_elements(mesh, near);
+            now = now->follow(mesh, edit);
+            mesh = std::move(edit.mesh);
+            for (const std::int32_t e : now->embedding().elements()) ASSERT_TRUE(e >= 0 && std::size_t(e) < mesh.element_count());
+            EXPECT_GT(least_weight(*now), -4) << k;
+            EXPECT_GT(now->inner_triangles(), 10u);
+        }
     }
 }
 

@@ -490,26 +490,6 @@ TEST(TopologyWorld, SkinsFollowAndGetAnInnerSurface) {
     for (int i = 0; i < 3; ++i) EXPECT_EQ(world.step().flags, StepFlag::none);
 }
 
-TEST(TopologyWorld, PiecesAreReportedAndSmallOnesRemoved) {
-    World world(exact_world());
-    const BodyId body = world.add_body({.shape = test::hex_bar({16, 4, 4}), .material = Corotational{}, .density_kg_m3 = 1000});
-    world.fix(body, test::at_x(0.4));
-    world.cut(body, blade_at_x(0.0251));
-    world.cut(body, blade_at_x(0.2));
-    const auto pieces = world.pieces(body);
-    ASSERT_EQ(pieces.size(), 3u);
-    EXPECT_NEAR(pieces[0].volume_m3, 0.025 * 0.01, 1e-12);
-    EXPECT_NEAR(pieces[0].mass_kg, 0.25, 1e-12);
-    EXPECT_FALSE(pieces[0].supported);
-    EXPECT_TRUE(pieces[2].supported);
-    EXPECT_EQ(world.remove_pieces(body, 0.001).removed_elements().size(), 16u);
-    EXPECT_EQ(world.pieces(body).size(), 2u);
-    EXPECT_EQ(world.split_off_pieces(body).size(), 1u);
-    ASSERT_EQ(world.pieces(body).size(), 1u);
-    EXPECT_TRUE(world.pieces(body)[0].supported);
-    for (int i = 0; i < 5; ++i) EXPECT_EQ(world.step().flags, StepFlag::none);
-}
-
 TEST(TopologyWorld, ProbesLookAtWhatIsLeftOfTheirPart) {
     Rig rig;
     Probe box(rig.world, rig.body, {.where = InsideBox{{0.1, -1, -1}, {0.16, 1, 1}}}), list(rig.world, rig.body, {.where = VertexList{{40, 41, 200}}});

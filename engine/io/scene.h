@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -25,6 +26,7 @@ struct SceneBody {
     std::vector<Motion> prescribed;
     std::vector<Load> loads;
     std::vector<ProbeDef> probes;
+    std::optional<std::array<float, 3>> color, inner_color;  ///< sRGB 0..1, where no number is drawn
 };
 
 /// Contact of two bodies by their places in Scene::bodies, or of one with itself.
@@ -91,7 +93,7 @@ struct Scene {
 ///             a gap are glued, in a ball or everywhere; elements of old and new vertices join the body (world/edit_events.h); body is its name or number, 0 if left out
 ///   contacts [{bodies: [name, name], on}]: of these two, or of one with itself, whatever the bodies say
 ///   ties     [{bodies: [name, name], gap_m, stiffness_n_m, max_force_n}]: glues the surface of the first to that of the second where they are so near
-///   bodies   [{touches_bodies, touches_itself, friction: contact with soft bodies; name, mesh: "file" or box: {min_m, max_m, cells: [nx, ny, nz], elements: "tets"}, scale, units, up, refine, skin: "surface file", translation_m, velocity_m_s,
+///   bodies   [{touches_bodies, touches_itself, friction: contact with soft bodies; name, mesh: "file" or box: {min_m, max_m, cells: [nx, ny, nz], elements: "tets"}, scale, units, up, refine, skin: "surface file", color: [r, g, b], inner_color, translation_m, velocity_m_s,
 ///   density_kg_m3,
 ///             material {law, rotation, young_pa, poisson}, or of a hyperelastic law {law, its parameters, fibre, sheet, fibre_stiffness_pa,
 ///             fibre_exponent, sheet_stiffness_pa, sheet_exponent, matrix_regularization},
@@ -107,6 +109,8 @@ struct Scene {
 /// <selection> is one of "box": {min_m, max_m}, "sphere": {centre_m, radius_m}, "capsule": {a_m, b_m, radius_m}, "vertices": [ids from 0], "group": "name", "all": true, or
 /// "selection": one of these or "all"; an entry of `fixed` may be the word "all" alone. Boxes, spheres and capsules are closed and look at the scaled
 /// rest shape, before translation_m. A selection that selects nothing is an error.
+///
+/// color is that of the body, inner_color that of what cuts lay open: sRGB, 0 to 1, where no stress is drawn; without them tissue and raw flesh.
 ///
 /// refine cuts every element into eight, so many times. skin is a surface in the mesh file's coordinates (any surface file, or a .skin file) that is drawn and
 /// picked in place of the mesh's boundary. A region holds the elements that have all their vertices in its selection, or their centre ("elements": "centre").

@@ -84,6 +84,14 @@ std::shared_ptr<const Skin> read_skin(const JsonNode& body, double scale, const 
     return skin;
 }
 
+/// Three numbers from 0 to 1.
+std::array<float, 3> read_color(const JsonNode& node) {
+    if (!node.is_array() || node.size() != 3) node.fail("must be a list of three numbers from 0 to 1: red, green, blue; found " + node.shown());
+    std::array<float, 3> out{};
+    for (std::size_t k = 0; k < 3; ++k) out[k] = float(node.item(k).number(0, 1));
+    return out;
+}
+
 }  // namespace
 
 InsideBox read_box(const JsonNode& node, bool may_be_flat) {
@@ -98,7 +106,7 @@ InsideBox read_box(const JsonNode& node, bool may_be_flat) {
 }
 
 SceneBody read_body(const JsonNode& node, SceneContext& context) {
-    node.require_object({"name", "mesh", "box", "scale", "units", "up", "translation_m", "velocity_m_s", "density_kg_m3", "material", "skin", "refine", "regions", "fixed",
+    node.require_object({"name", "mesh", "box", "scale", "units", "up", "color", "inner_color", "translation_m", "velocity_m_s", "density_kg_m3", "material", "skin", "refine", "regions", "fixed",
                          "prescribed", "loads", "probes", "touches_bodies", "touches_itself", "friction"});
     SceneBody body;
     BodyDef& def = body.def;
@@ -112,6 +120,8 @@ SceneBody read_body(const JsonNode& node, SceneContext& context) {
     if (node.has("touches_bodies")) def.touches_bodies = node.at("touches_bodies").boolean();
     if (node.has("touches_itself")) def.touches_itself = node.at("touches_itself").boolean();
     if (node.has("friction")) def.friction = node.at("friction").number(0, 10);
+    if (node.has("color")) body.color = read_color(node.at("color"));
+    if (node.has("inner_color")) body.inner_color = read_color(node.at("inner_color"));
     read_materials(node, def);
     read_supports_and_loads(node, body);
     read_probes(node, body);

@@ -35,7 +35,8 @@ std::vector<std::int32_t> face_corners(const VolumeMesh& mesh, std::int32_t elem
     return {};
 }
 
-OpenedSurface opened_surface(const MeshEdit& edit, const BoundarySurface& boundary, std::span<const std::int32_t> parent, std::span<const Vec3> x, std::span<const char> on_lip, double height) {
+OpenedSurface opened_surface(const MeshEdit& edit, const BoundarySurface& boundary, std::span<const std::int32_t> parent, std::span<const Vec3> x, std::span<const char> on_lip,
+                             const std::function<double(const Vec3& at, double edge)>& height) {
     const VolumeMesh& mesh = edit.mesh;
     const auto count = std::int32_t(mesh.vertices.size());
     OpenedSurface out;
@@ -94,7 +95,8 @@ OpenedSurface opened_surface(const MeshEdit& edit, const BoundarySurface& bounda
     for (std::size_t b = 0; b < parent.size(); ++b) {
         if (parent[b] < 0 || on_lip[b]) continue;  // what lies on a lip lies exactly there
         const Triangle& t = boundary.triangles[b];
-        const auto X = [&](std::size_t k) -> const Vec3& { return x[std::size_t(t[k % 3])]; };
+        // Of the rest shape: a cut that goes on where an earlier one ended has the wall's edge there in common with it.
+        const auto X = [&](std::size_t k) -> const Vec3& { return mesh.vertices[std::size_t(t[k % 3])]; };
         for (std::size_t k = 0; k < 3; ++k) {
             const auto found = place.find(t[k]);
             if (found == place.end()) continue;
@@ -109,8 +111,10 @@ OpenedSurface opened_surface(const MeshEdit& edit, const BoundarySurface& bounda
     std::map<std::int32_t, std::int32_t> outer;  // [vertex of the surface] the end of the wall there
     const auto end_of = [&](std::int32_t p) {
         const auto [known, is_new] = outer.try_emplace(p, std::int32_t(out.surface.vertices.size()));
-        const Vec3 top = out.surface.vertices[std::size_t(p)] + height * out.size * normal.try_emplace(p, Vec3::Zero()).first->second.normalized();
-        if (is_new) out.surface.vertices.push_back(top);
+        if (is_new) {
+            const Vec3 foot = out.surface.vertices[std::size_t(p)];
+            out.surface.vertices.push_back(foot + height(foot, out.size) * normal.try_emplace(p, Vec3::Zero()).first->second.normalized());
+        }
         return known->second;
     };
     for (const Rim& rim : rims) {

@@ -1,4 +1,5 @@
 #pragma once
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -22,8 +23,9 @@ struct OpenedSurface {
 /// @param boundary, parent  of the edited mesh: extract_boundary(), boundary_parents()
 /// @param x                 [vertex of it] where it lies: at rest, but for lips of earlier edits, which are apart
 /// @param on_lip            [triangle of boundary] 1: of such a lip
-/// @param height            of the walls, in mean edges; there are none on earlier lips
-OpenedSurface opened_surface(const MeshEdit& edit, const BoundarySurface& boundary, std::span<const std::int32_t> parent, std::span<const Vec3> x, std::span<const char> on_lip, double height);
+/// @param height            of the walls at a point of the old boundary [m], given the mean edge of the faces; there are none on earlier lips
+OpenedSurface opened_surface(const MeshEdit& edit, const BoundarySurface& boundary, std::span<const std::int32_t> parent, std::span<const Vec3> x, std::span<const char> on_lip,
+                             const std::function<double(const Vec3& at, double edge)>& height);
 
 /// Corners of the face of an element that three of its vertices lie on; none if they do not lie on one.
 std::vector<std::int32_t> face_corners(const VolumeMesh& mesh, std::int32_t element, const Triangle& t);

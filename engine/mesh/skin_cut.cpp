@@ -12,7 +12,9 @@
 #include <set>
 
 #include "supple/base/disjoint_sets.h"
+#include "supple/mesh/element_neighbours.h"
 #include "supple/mesh/moved_lips.h"
+#include "supple/mesh/outside_skin.h"
 #include "supple/mesh/surface_crossing.h"
 
 namespace supple::mesh {
@@ -21,45 +23,11 @@ namespace {
 
 constexpr double kTolerance = 1e-8;   // of the mean edge of the opened faces: nearer points are one
 constexpr double kWallHeight = 2;     // in those edges: skins are cut that lie so far outside
+constexpr double kLeastWall = 0.02;   // in those edges, where the skin lies on the mesh
+constexpr int kSameSide = 3;          // vertices between elements on one side of a cut
+constexpr double kFarthest = -1.5;    // least weight by which a point is still bound to an element that it does not lie in
 
 using Edge = std::pair<std::int32_t, std::int32_t>;
-
-/// How far an element's shape functions reach to a point: the least weight, positive inside.
-double least_weight(const VolumeMesh& mesh, std::int32_t element, const Vec3& x) {
-    std::array<double, Embedding::kMaxCorners> w{};
-    shape_weights(mesh, element, x, w);
-    return *std::min_element(w.begin(), w.begin() + std::ptrdiff_t(element_vertices(mesh, std::size_t(element)).size()));
-}
-
-/// Whether elements of a mesh hang together across few vertices: on one side of a cut, or around its end.
-class Neighbours {
-public:
-    explicit Neighbours(const VolumeMesh& mesh) : mesh_(mesh) {}
-
-    bool joined(std::int32_t a, std::int32_t b) {
-        constexpr int kHops = 3;
-        if (around_.empty()) {
-            around_.resize(mesh_.vertices.size());
-            for (std::size_t e = 0; e < mesh_.element_count(); ++e)
-                for (const std::int32_t v : element_vertices(mesh_, e)) around_[std::size_t(v)].push_back(std::int32_t(e));
-        }
-        std::set<std::int32_t> seen{a};
-        std::vector<std::int32_t> front{a};
-        for (int hop = 0; hop < kHops && !seen.contains(b); ++hop) {
-            std::vector<std::int32_t> next;
-            for (const std::int32_t e : front)
-                for (const std::int32_t v : element_vertices(mesh_, std::size_t(e)))
-                    for (const std::int32_t n : around_[std::size_t(v)])
-                        if (seen.insert(n).second) next.push_back(n);
-            front = std::move(next);
-        }
-        return seen.contains(b);
-    }
-
-private:
-    const VolumeMesh& mesh_;
-    std::vector<std::vector<std::int32_t>> around_;
-};
 
 /// The skin's triangles that an opened surface may meet: those of elements that the edit changed, or that have a vertex of such.
 std::vector<std::int32_t> triangles_near(const TriangleMesh& skin, std::span<const std::int32_t> element, const VolumeMesh& before, const TopologyDelta& delta) {
@@ -84,20 +52,38 @@ std::vector<std::int32_t> triangles_near(const TriangleMesh& skin, std::span<con
     return out;
 }
 
+/// [vertex] 1: another one lies at the very same place.
+std::vector<char> coinciding(std::span<const Vec3> x) {
+    std::vector<std::int32_t> order(x.size());
+    std::iota(order.begin(), order.end(), 0);
+    const auto at = [&](std::int32_t p) { return std::array{x[std::size_t(p)].x(), x[std::size_t(p)].y(), x[std::size_t(p)].z()}; };
+    std::sort(order.begin(), order.end(), [&](std::int32_t a, std::int32_t b) { return at(a) < at(b); });
+    std::vector<char> out(x.size(), 0);
+    for (std::size_t i = 1; i < order.size(); ++i)
+        if (x[std::size_t(order[i])] == x[std::size_t(order[i - 1])]) out[std::size_t(order[i])] = out[std::size_t(order[i - 1])] = 1;
+    return out;
+}
+
+/// Whether a point of a skin is moved by lips alone.
+bool lies_on_lips(const Embedding& embedding, std::size_t p, const MovedLips& moved) {
+    for (std::size_t k = p * embedding.corners(); k < (p + 1) * embedding.corners(); ++k)
+        if (std::abs(embedding.weights()[k]) > 1e-6 && !moved.on_lip[std::size_t(embedding.vertices()[k])]) return false;
+    return true;
+}
+
 class SkinCutter {
 public:
     SkinCutter(const TriangleMesh& skin, const Embedding& embedding, const VolumeMesh& before, const MeshEdit& edit)
-        : skin_(skin), rest_(skin.vertices), was_(embedding.elements()), edit_(edit), hosts_(before, edit) {
+        : skin_(skin), rest_(skin.vertices), was_(embedding.elements()), edit_(edit), hosts_(before, edit), neighbours_(edit.mesh) {
         const std::span<const std::int32_t> was = was_;
         const BoundarySurface boundary = extract_boundary(edit.mesh);
         const MovedLips moved(before), now(moved, edit);
         if (moved.any) {
             std::vector<Vec3> there(skin.vertices.size());
             embedding.deform(moved.x, there);
-            for (std::size_t p = 0; p < there.size(); ++p) {
-                const auto corners = embedding.vertices().subspan(p * embedding.corners(), embedding.corners());
-                if (std::any_of(corners.begin(), corners.end(), [&](std::int32_t v) { return moved.on_lip[std::size_t(v)] != 0; })) skin_.vertices[p] = there[p];
-            }
+            const std::vector<char> twice = coinciding(skin.vertices);
+            for (std::size_t p = 0; p < there.size(); ++p)
+                if (twice[p] || lies_on_lips(embedding, p, moved)) skin_.vertices[p] = there[p];
         }
         const std::vector<std::int32_t> parent = boundary_parents(before, edit);
         std::vector<char> on_lip(parent.size(), 0);
@@ -108,9 +94,10 @@ public:
                 on_lip[b] = moved.is_lip(before, was_boundary.element[std::size_t(parent[b])], was_boundary.triangles[std::size_t(parent[b])]);
             }
         }
-        opened_ = opened_surface(edit, boundary, parent, now.x, on_lip, kWallHeight);
-        std::vector<std::int32_t> chosen;
-        if (opened_.faces > 0) chosen = triangles_near(skin, was, before, edit.delta);
+        const std::vector<std::int32_t> near = triangles_near(skin, was, before, edit.delta);
+        const OutsideSkin outside(skin, near, embedding, before);
+        opened_ = opened_surface(edit, boundary, parent, now.x, on_lip, [&](const Vec3& at, double edge) { return std::min(outside.reach(at) + kLeastWall * edge, kWallHeight * edge); });
+        const std::vector<std::int32_t> chosen = opened_.faces > 0 ? near : std::vector<std::int32_t>{};
         crossed_ = cross_surfaces(skin_, chosen, opened_.surface, kTolerance * std::max(opened_.size, 1e-300));
         std::vector<char> is_chosen(skin.triangles.size(), 0);
         for (const std::int32_t t : chosen) is_chosen[std::size_t(t)] = 1;
@@ -130,6 +117,7 @@ public:
         join();
         take_over();
         name(out.surface, out.element);
+        part_webs(out.surface, out.element);
         out.pieces = std::move(pieces_);
         out.rest = std::move(rest_);
         out.opened = std::move(opened_);
@@ -232,6 +220,50 @@ private:
                 pieces_[i].gone = std::count_if(t.begin(), t.end(), [&](std::int32_t p) { return hosts_.lives(was_[std::size_t(p)]); }) < 2;
             }
         }
+        shelter();
+    }
+
+    /// Pieces that stay though no element of their triangle does (a skin outside of the mesh: the line runs elsewhere than the elements end) belong to an element of the nearest
+    /// piece beside them that has one; they go where there is none.
+    void shelter() {
+        std::map<Edge, std::vector<std::size_t>> at;
+        const auto homeless = [&](std::size_t i) {
+            const Triangle& t = skin_.triangles[std::size_t(pieces_[i].triangle)];
+            return !pieces_[i].gone && pieces_[i].element < 0 && std::none_of(t.begin(), t.end(), [&](std::int32_t p) { return hosts_.lives(was_[std::size_t(p)]); });
+        };
+        std::vector<std::size_t> without;
+        for (std::size_t i = 0; i < skin_pieces_; ++i)
+            if (homeless(i)) without.push_back(i);
+        if (without.empty()) return;
+        for (std::size_t i = 0; i < skin_pieces_; ++i)
+            for (std::size_t k = 0; k < 3 && !pieces_[i].gone; ++k)
+                if (line(pieces_[i].corner, k) == nullptr) at[std::minmax(pieces_[i].corner[k], pieces_[i].corner[(k + 1) % 3])].push_back(i);
+        while (!without.empty()) {
+            std::vector<std::pair<std::size_t, std::int32_t>> found;  // of this round: neighbours' order does not matter
+            for (const std::size_t i : without) {
+                const SkinPiece& piece = pieces_[i];
+                const Vec3 middle = (rest(piece.corner[0]) + rest(piece.corner[1]) + rest(piece.corner[2])) / 3;
+                std::int32_t best = -1;
+                double best_weight = 0;
+                for (std::size_t k = 0; k < 3; ++k) {
+                    if (line(piece.corner, k) != nullptr) continue;
+                    for (const std::size_t j : at[std::minmax(piece.corner[k], piece.corner[(k + 1) % 3])]) {
+                        if (j == i || homeless(j)) continue;
+                        const Triangle& t = skin_.triangles[std::size_t(pieces_[j].triangle)];
+                        const std::int32_t e = pieces_[j].element >= 0 ? pieces_[j].element : hosts_.host(std::array{was_[std::size_t(t[0])], was_[std::size_t(t[1])], was_[std::size_t(t[2])]}, middle);
+                        const double least = least_weight(edit_.mesh, e, middle);
+                        if (best >= 0 && least <= best_weight) continue;
+                        best = e;
+                        best_weight = least;
+                    }
+                }
+                if (best >= 0) found.emplace_back(i, best);
+            }
+            if (found.empty()) break;
+            for (const auto& [i, e] : found) pieces_[i].element = e;
+            std::erase_if(without, [&](std::size_t i) { return pieces_[i].element >= 0; });
+        }
+        for (const std::size_t i : without) pieces_[i].gone = true;
     }
 
     /// Angle of a triangle around one of its edges, from the edge's smaller point to the larger: (-pi, pi], from any direction that is the same for all at the edge.
@@ -355,7 +387,6 @@ private:
 
     /// Points outside of the mesh that are nearest to an element across the cut, though the cut, going on outward, leaves them on this side: bound to the element of their side.
     void take_over() {
-        Neighbours neighbours(edit_.mesh);
         std::map<std::int32_t, std::vector<std::size_t>> pieces_at;  // [point not on a line] pieces of the skin near lines
         std::vector<std::size_t> front;
         for (std::size_t i = 0; i < skin_pieces_; ++i)
@@ -368,7 +399,7 @@ private:
                 for (const std::int32_t p : pieces_[i].corner) {
                     if (parting_[std::size_t(p)] || std::size_t(p) >= was_.size() || taken_.contains(p)) continue;
                     const std::int32_t mine = hosts_.host({&was_[std::size_t(p)], 1}, rest(p));
-                    if (mine < 0 || mine == side[i] || least_weight(edit_.mesh, mine, rest(p)) > -1e-9 || neighbours.joined(side[i], mine)) continue;
+                    if (mine < 0 || mine == side[i] || least_weight(edit_.mesh, mine, rest(p)) > -1e-9 || least_weight(edit_.mesh, side[i], rest(p)) < kFarthest || neighbours_.distance(side[i], mine, kSameSide) <= kSameSide) continue;
                     taken_[p] = side[i];
                     if (pieces_at.empty())
                         for (std::size_t j = 0; j < skin_pieces_; ++j)
@@ -443,6 +474,69 @@ private:
         pieces_ = std::move(left);
     }
 
+    /// Triangles whose corners are near one another and do not hang together near by, because a line had a gap: all go with one side. A crack along the cut is left there, where a web
+    /// from lip to lip would be.
+    void part_webs(TriangleMesh& surface, std::vector<std::int32_t>& element) {
+        constexpr int kDetour = 3;
+        const std::vector<std::int32_t> piece = find_pieces(edit_.mesh).of_element;
+        const auto ball = [&](std::int32_t e) {
+            const auto ids = element_vertices(edit_.mesh, std::size_t(e));
+            std::pair<Vec3, double> out(Vec3::Zero(), 0);
+            for (const std::int32_t v : ids) out.first += edit_.mesh.vertices[std::size_t(v)] / double(ids.size());
+            for (const std::int32_t v : ids) out.second = std::max(out.second, (edit_.mesh.vertices[std::size_t(v)] - out.first).norm());
+            return out;
+        };
+        std::map<Edge, bool> known;
+        const auto torn = [&](std::int32_t a, std::int32_t b) {
+            if (piece[std::size_t(a)] != piece[std::size_t(b)]) return true;
+            if (a == b || share_vertex(a, b)) return false;
+            const auto [at, is_new] = known.try_emplace(Edge(std::minmax(a, b)), false);
+            if (is_new) {
+                const auto [x, r] = ball(a);
+                const auto [y, q] = ball(b);
+                const int straight = 1 + int((x - y).norm() / (0.5 * (r + q)));
+                at->second = neighbours_.distance(a, b, straight + kDetour) > straight + kDetour;
+            }
+            return at->second;
+        };
+        std::map<Edge, std::int32_t> parted;  // [vertex, element of the side] its copy there
+        for (std::size_t i = 0; i < pieces_.size(); ++i) {
+            Triangle& t = surface.triangles[i];
+            const auto of = [&](std::size_t k) { return piece[std::size_t(element[std::size_t(t[k])])]; };
+            if (!pieces_[i].looked_at && of(0) == of(1) && of(1) == of(2)) continue;
+            const std::array<std::int32_t, 3> e{element[std::size_t(t[0])], element[std::size_t(t[1])], element[std::size_t(t[2])]};
+            const std::array<bool, 3> gap{torn(e[0], e[1]), torn(e[1], e[2]), torn(e[2], e[0])};
+            if (!gap[0] && !gap[1] && !gap[2]) continue;
+            // The side whose elements reach best to all corners: hardly that of a crumb.
+            std::int32_t side = -1;
+            double most = 0;
+            for (const std::int32_t s : {pieces_[i].element, e[0], e[1], e[2]}) {
+                if (s < 0) continue;
+                double worst = 0;
+                for (std::size_t k = 0; k < 3; ++k) {
+                    const Vec3& x = surface.vertices[std::size_t(t[k])];
+                    worst = std::min(worst, least_weight(edit_.mesh, torn(e[k], s) ? neighbours_.nearest(s, x) : e[k], x));
+                }
+                if (side < 0 || worst > most) side = s, most = worst;
+            }
+            for (std::size_t k = 0; k < 3; ++k) {
+                if (!torn(e[k], side)) continue;
+                const std::int32_t v = t[k];
+                const auto [copy, is_new] = parted.try_emplace(Edge(v, side), std::int32_t(surface.vertices.size()));
+                if (is_new) {
+                    const Vec3 x = surface.vertices[std::size_t(v)];
+                    surface.vertices.push_back(x);
+                    element.push_back(neighbours_.nearest(side, x));
+                }
+                t[k] = copy->second;
+            }
+        }
+    }
+    bool share_vertex(std::int32_t a, std::int32_t b) const {
+        const auto u = element_vertices(edit_.mesh, std::size_t(a)), w = element_vertices(edit_.mesh, std::size_t(b));
+        return std::any_of(u.begin(), u.end(), [&](std::int32_t v) { return std::find(w.begin(), w.end(), v) != w.end(); });
+    }
+
     /// The element for a point of a piece of the skin whose side no line tells.
     std::int32_t own(const SkinPiece& piece, std::int32_t p) const {
         if (piece.element >= 0) return piece.element;
@@ -457,6 +551,7 @@ private:
     std::span<const std::int32_t> was_;
     const MeshEdit& edit_;
     Hosts hosts_;
+    ElementNeighbours neighbours_;
     OpenedSurface opened_;
     CrossedSurfaces crossed_;
     std::vector<SkinPiece> pieces_;

@@ -29,6 +29,9 @@ struct SurfaceView {
     /// and the creases are those of the first positions that came with these triangles (they do not flicker while the body bends).
     std::span<const Vec3> reference_positions;
     std::optional<std::array<float, 3>> color;  ///< sRGB 0..1, instead of the look's own colour
+
+    std::span<const char> inner;                      ///< per triangle, 1: laid open by a cut, drawn in `inner_color` with a crisp edge around; empty = none
+    std::optional<std::array<float, 3>> inner_color;  ///< sRGB 0..1; empty: of tissue that of raw flesh, of other looks the same as outside, brighter
 };
 
 /// Points coloured by a number: values where they are computed, inside a body too (give its surface an opacity below 1).

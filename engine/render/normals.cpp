@@ -16,7 +16,7 @@ struct HalfEdge {
 
 }  // namespace
 
-SmoothTopology split_at_creases(std::span<const Vec3> positions, std::span<const Triangle> triangles, double crease_angle_deg) {
+SmoothTopology split_at_creases(std::span<const Vec3> positions, std::span<const Triangle> triangles, double crease_angle_deg, std::span<const char> inner) {
     const std::size_t count = triangles.size();
     std::vector<Vec3> face(count);  // unit normals; zero where the face has no area
     std::vector<HalfEdge> halves;
@@ -59,7 +59,8 @@ SmoothTopology split_at_creases(std::span<const Vec3> positions, std::span<const
         const HalfEdge& b = halves[i + 1];
         const Vec3 &na = face[a.corner_low / 3], &nb = face[b.corner_low / 3];
         const bool flat = na.isZero() || nb.isZero();
-        const bool crisp = !flat && na.dot(nb) < least_cosine;
+        const bool parted = !inner.empty() && inner[a.corner_low / 3] != inner[b.corner_low / 3];
+        const bool crisp = parted || (!flat && na.dot(nb) < least_cosine);
         if (!crisp) {
             corners.join(a.corner_low, b.corner_low);
             corners.join(a.corner_high, b.corner_high);

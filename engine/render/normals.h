@@ -24,9 +24,10 @@ struct SmoothTopology {
 
 /// @param positions          per vertex [m], the shape whose angles decide
 /// @param crease_angle_deg   0..180: edges whose faces turn by more than this are crisp. Faces without area turn by nothing.
+/// @param inner              per triangle, or empty: edges between triangles of different values are crisp, too
 /// A closed surface that is wound inwards (its volume is negative) is turned, so that its outside is drawn.
 /// @error none; the indices are checked by the caller
-SmoothTopology split_at_creases(std::span<const Vec3> positions, std::span<const Triangle> triangles, double crease_angle_deg);
+SmoothTopology split_at_creases(std::span<const Vec3> positions, std::span<const Triangle> triangles, double crease_angle_deg, std::span<const char> inner = {});
 
 /// Unit normals per corner, weighted so that they are exact for vertices on a sphere: each face adds (e1 x e2) / (|e1|^2 |e2|^2).
 /// A corner whose faces all vanish gets (0, 1, 0).

@@ -47,6 +47,12 @@ Vector3f default_color(Look look) {  // linear
     return {0.5f, 0.5f, 0.5f};
 }
 
+/// What a cut shows, linear: flesh is lighter and pinker than its capsule; rubber, gel and metal are the same all through, freshly cut.
+Vector3f inner_color(Look look, const Vector3f& outside) {
+    if (look == Look::tissue) return {0.42f, 0.115f, 0.088f};
+    return outside + 0.25f * (Vector3f::Ones() - outside);
+}
+
 /// Whichever caller's colour or position: a picture is no place for surprises.
 void require_finite(const Vec3& p, const std::string& where) {
     if (!p.allFinite()) throw Error(ErrorCode::invalid_argument, where, "is not finite");
@@ -312,14 +318,16 @@ struct Renderer::Impl {
     void draw_surface(const FrameView& view, std::size_t i) {
         const SurfaceView& s = view.surfaces[i];
         const bool mapped = is_mapped(s), flat = !s.triangle_scalar.empty(), grain = !mapped && s.look == Look::tissue && surfaces[i].has_grain();
+        const bool inner = !mapped && surfaces[i].has_inner();
         const Program& program =
-            surface_program("LOOK=" + std::to_string(int(s.look)) + (mapped ? " MAPPED" : "") + (flat ? " FLAT" : "") + (grain ? " GRAIN" : ""));
+            surface_program("LOOK=" + std::to_string(int(s.look)) + (mapped ? " MAPPED" : "") + (flat ? " FLAT" : "") + (grain ? " GRAIN" : "") + (inner ? " INNER" : ""));
         use(program);
         program.set("opacity", float(s.opacity));
         if (mapped) use_scale(program, *view.scale);
         if (flat) surfaces[i].bind_values(kValuesUnit);
         const Vector3f color = s.color ? linear_of(*s.color) : default_color(s.look);
         glVertexAttrib3f(3, color.x(), color.y(), color.z());
+        if (inner) program.set("inner_color", s.inner_color ? linear_of(*s.inner_color) : inner_color(s.look, color));
         surfaces[i].draw();
     }
 

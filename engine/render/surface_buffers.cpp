@@ -1,5 +1,6 @@
 #include "supple/render/surface_buffers.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstring>
@@ -54,17 +55,21 @@ void SurfaceBuffers::prepare(const SurfaceView& view, const SceneFrame& frame, c
     if (!view.triangle_scalar.empty() && view.triangle_scalar.size() != view.triangles.size())
         refuse(name + ".triangle_scalar", "has " + std::to_string(view.triangle_scalar.size()) + " values for " + std::to_string(view.triangles.size()) +
                                               " triangles; give one each, or none");
+    if (!view.inner.empty() && view.inner.size() != view.triangles.size())
+        refuse(name + ".inner", "has " + std::to_string(view.inner.size()) + " values for " + std::to_string(view.triangles.size()) + " triangles; give one each, or none");
     if (!view.triangle_scalar.empty() && !view.scalar.empty()) refuse(name + ".triangle_scalar", "and scalar exclude each other; leave one empty");
     if (!(view.opacity > 0 && view.opacity <= 1)) refuse(name + ".opacity", to_text(view.opacity) + " is outside (0, 1]; leave the surface out to hide it");
     require_in_range(view.crease_angle_deg, 0, 180, name + ".crease_angle_deg", "40 keeps organs smooth and blocks crisp");
 
     const Key key{view.triangles.data(), view.triangles.size(), hash_of(view.triangles)};
     const bool has_reference = !view.reference_positions.empty();
-    if (!(key == topology_key_) || crease_angle_deg_ != view.crease_angle_deg || vertex_count_ != view.positions.size() ||
+    const Key inner_key{view.inner.data(), view.inner.size(), hash_of(view.inner)};
+    if (!(key == topology_key_) || !(inner_key == inner_key_) || crease_angle_deg_ != view.crease_angle_deg || vertex_count_ != view.positions.size() ||
         has_reference != has_reference_) {
         topology_key_ = {};  // stays empty if the view is refused half way
         rebuild_topology(view, name);
         topology_key_ = key;
+        inner_key_ = inner_key;
     }
     const Key edges_key{view.edges.data(), view.edges.size(), hash_of(view.edges)};
     if (!(edges_key == edges_key_)) {
@@ -102,7 +107,7 @@ void SurfaceBuffers::rebuild_topology(const SurfaceView& view, const std::string
                 refuse(name + ".triangles",
                        "triangle " + std::to_string(t) + " names vertex " + std::to_string(v) + "; there are " + std::to_string(count));
     has_reference_ = !view.reference_positions.empty();
-    topology_ = split_at_creases(has_reference_ ? view.reference_positions : view.positions, view.triangles, view.crease_angle_deg);
+    topology_ = split_at_creases(has_reference_ ? view.reference_positions : view.positions, view.triangles, view.crease_angle_deg, view.inner);
     crease_angle_deg_ = view.crease_angle_deg;
     vertex_count_ = view.positions.size();
     edges_key_ = {};  // lines name corners, which have new numbers
@@ -131,6 +136,17 @@ void SurfaceBuffers::rebuild_topology(const SurfaceView& view, const std::string
         glVertexAttribPointer(4, 3, GL_FLOAT, GL_FALSE, 0, nullptr);
     } else {
         glDisableVertexAttribArray(4);
+    }
+    has_inner_ = std::any_of(view.inner.begin(), view.inner.end(), [](char i) { return i != 0; });
+    if (has_inner_) {
+        std::vector<float> inner(topology_.vertex_of.size(), 0.0f);  // a corner's triangles are all of one kind
+        for (std::size_t t = 0; t < view.inner.size(); ++t)
+            for (const std::uint32_t c : topology_.triangles[t]) inner[c] = view.inner[t] != 0 ? 1.0f : 0.0f;
+        upload_buffer(GL_ARRAY_BUFFER, inner_buffer_, std::span<const float>(inner), GL_STATIC_DRAW);
+        glEnableVertexAttribArray(5);
+        glVertexAttribPointer(5, 1, GL_FLOAT, GL_FALSE, 0, nullptr);
+    } else {
+        glDisableVertexAttribArray(5);
     }
     glBindVertexArray(0);
 }

@@ -31,6 +31,7 @@ public:
     void bind_values(int unit) const;  ///< of SurfaceView::triangle_scalar, as a buffer texture
     bool has_edges() const { return edge_indices_ > 0; }
     bool has_grain() const { return has_reference_; }
+    bool has_inner() const { return has_inner_; }
 
     const std::vector<SurfaceVertex>& vertices() const { return vertices_; }
     const SmoothTopology& topology() const { return topology_; }
@@ -50,10 +51,10 @@ private:
         std::uint64_t hash = 0;
         bool operator==(const Key&) const = default;
     };
-    Key topology_key_, edges_key_;
+    Key topology_key_, inner_key_, edges_key_;
     double crease_angle_deg_ = -1;
     std::size_t vertex_count_ = 0;
-    bool has_reference_ = false;
+    bool has_reference_ = false, has_inner_ = false;
 
     SmoothTopology topology_;
     std::vector<std::uint32_t> corner_of_;  // per vertex of the user: one of its corners
@@ -61,7 +62,7 @@ private:
     std::vector<Eigen::Vector3f> positions_, normals_;
 
     VertexArray array_, edge_array_;
-    Buffer vertex_buffer_, index_buffer_, reference_buffer_, edge_buffer_;
+    Buffer vertex_buffer_, index_buffer_, reference_buffer_, inner_buffer_, edge_buffer_;
     std::size_t edge_indices_ = 0;
     std::vector<float> values_;
     Buffer value_buffer_;

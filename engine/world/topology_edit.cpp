@@ -269,6 +269,15 @@ std::uint64_t World::edit_count(BodyId id) const {
     return body.edits ? body.edits->count : 0;
 }
 
+std::vector<char> World::inner_boundary(BodyId id) const {
+    const Body& body = impl_->body(id);
+    if (!body.edits) return {};
+    const std::vector<std::int32_t> parent = boundary_parents(body.edits->origin->def.shape->mesh(), {body.data().mesh, body.edits->identity.from_origin});
+    std::vector<char> out(parent.size());
+    std::transform(parent.begin(), parent.end(), out.begin(), [](std::int32_t t) { return char(t < 0); });
+    return out;
+}
+
 std::vector<std::uint32_t> World::vertex_ids(BodyId id) const {
     const Body& body = impl_->body(id);
     return body.edits ? body.edits->identity.vertex_id : unedited(body).vertex_id;

@@ -203,6 +203,7 @@ public:
     std::uint64_t edit_count(BodyId body) const;                    ///< grows with every edit and undo: whoever keeps indices looks here
     std::vector<std::uint32_t> vertex_ids(BodyId body) const;       ///< stable, per vertex; never given twice
     std::vector<std::uint32_t> element_ids(BodyId body) const;
+    std::vector<char> inner_boundary(BodyId body) const;            ///< per boundary triangle of shape(), 1: edits laid it open; empty: the body was never edited. O(n): ask again when edit_count() has changed
     std::vector<Piece> pieces(BodyId body) const;                   ///< by first element
     TopologyDelta remove_pieces(BodyId body, double below_m3);      ///< pieces of less rest volume go, the largest one stays
     /// Makes a body of its own of every piece without support; where none has any, the largest stays. Drags and attachments go with the vertices that most of them holds.
